@@ -1,4 +1,4 @@
-//! An experiment: `EXPERIMENT.toml` with the runs that it names.
+//! An experiment: `EXPERIMENT.toml` and the runs that it lists.
 
 mod channel;
 mod clock;
@@ -22,49 +22,49 @@ use toml::{Spanned, Value};
 /// The column of the ambient temperature.
 const AMBIENT: &str = "ambient_temperature_degC";
 
-/// What a run is for.
+/// Role of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Parameters and terms are fitted to it.
+    /// Parameters and terms are fitted to this run.
     Fit,
-    /// A term is accepted only if this improves.
+    /// Held-out run: a term is accepted only if the validation error decreases.
     Validate,
-    /// Opened once, at the end.
+    /// Held-out run that is evaluated once, after the search.
     Test,
 }
 
-/// Where the nodes of a run start.
+/// Initial temperatures of the nodes of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Start {
-    /// At the first row's ambient temperature.
+    /// Ambient temperature of the first row.
     #[default]
     Ambient,
-    /// At the first row's measured temperatures.
+    /// Measured temperatures of the first row.
     Measured,
 }
 
 /// One run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// Its file, as the experiment names it.
+    /// File name as written in the experiment.
     pub file: String,
-    /// What it is for.
+    /// Role of the run.
     pub role: Role,
-    /// The rows that count: from and to, s. All of the run is simulated.
+    /// Start and end of the evaluated rows, s. The whole run is simulated.
     pub window: Option<(f64, f64)>,
-    /// Where its nodes start.
+    /// Initial temperatures of the nodes.
     pub start: Start,
-    /// Start values that hold in this run alone: name and number.
+    /// Start values of this run only: name and value.
     pub set: Vec<(String, f64)>,
-    /// Parameters that are unknown in this run alone.
+    /// Priors of parameters that are unknown in this run only.
     pub priors: Vec<Prior>,
-    /// Inputs, then outputs, in the experiment's order.
+    /// Inputs, then outputs, in the order of the experiment.
     pub table: Table,
 }
 
-/// A parameter that may differ from specimen to specimen.
+/// Prior of a parameter that may vary between specimens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prior {
     /// Its name.
@@ -76,14 +76,14 @@ pub struct Prior {
 /// A standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Deviation {
-    /// Relative to the parameter's value; to its nominal value where that is 0.
+    /// Relative to the parameter's value, or to its nominal value if the value is 0.
     Relative(f64),
     /// In the parameter's unit.
     Absolute(f64),
 }
 
 impl Deviation {
-    /// In the unit of a parameter with this value and nominal value.
+    /// Standard deviation in the parameter's unit, for this value and nominal value.
     pub fn of(self, value: f64, nominal: f64) -> f64 {
         match self {
             Deviation::Relative(share) => (share * if value == 0.0 { nominal } else { value }).abs(),
@@ -92,7 +92,7 @@ impl Deviation {
     }
 }
 
-/// A prior as a file has it: a relative standard deviation, or one with a unit.
+/// A prior in a file: a relative standard deviation, or one with a unit.
 #[derive(Clone, Deserialize)]
 #[serde(
     untagged,
@@ -110,23 +110,23 @@ pub struct Experiment {
     pub name: String,
     /// The model's name.
     pub model: String,
-    /// The preset, a name or a file; its values are priors.
+    /// The preset, a name or a file; its values are the prior means.
     pub preset: String,
     /// Columns that drive the model.
     pub inputs: Vec<&'static Channel>,
-    /// Columns that the model is compared with.
+    /// Columns that the model's outputs are compared with.
     pub outputs: Vec<&'static Channel>,
-    /// Start values that differ from the preset: name and number. The modes that follow from the inputs stand first.
+    /// Start values that differ from the preset: name and value. Modes implied by the inputs come first.
     pub set: Vec<(String, f64)>,
     /// Parameters that may be fitted.
     pub priors: Vec<Prior>,
-    /// Standard deviation of columns, in the column's unit, where the experiment knows it.
+    /// Standard deviation of the noise of columns, in the column's unit, where the experiment declares it.
     pub noise: BTreeMap<&'static str, f64>,
     /// The runs.
     pub runs: Vec<Run>,
-    /// What is odd but no error.
+    /// Warnings.
     pub notes: Vec<String>,
-    /// Columns with the headers that `[columns]` gives them.
+    /// Columns and their headers from `[columns]`.
     pub headers: Vec<(&'static str, String)>,
 }
 
@@ -171,7 +171,7 @@ struct RunText {
     set: BTreeMap<Spanned<String>, Value>,
 }
 
-/// Says a sentence with file and line.
+/// Formats an error message with file and line.
 struct Place<'a> {
     file: String,
     text: &'a str,
@@ -186,10 +186,10 @@ impl Place<'_> {
 }
 
 impl Experiment {
-    /// Reads an experiment and all of its runs; files stand beside it.
+    /// Reads an experiment and all of its runs; file names are relative to the experiment's folder.
     ///
     /// # Errors
-    /// One sentence with file and line: what is missing, unknown, no number or against the rules.
+    /// One sentence with file and line: a missing or unknown entry, an invalid number or a violated rule.
     pub fn read(path: &Path) -> Result<Experiment, CalibrateError> {
         let file = path.display().to_string();
         let text =
@@ -198,7 +198,7 @@ impl Experiment {
         Experiment::parse(&text, file, &folder)
     }
 
-    /// Indices of the runs of a role.
+    /// Indices of the runs with a role.
     pub fn of_role(&self, role: Role) -> Vec<usize> {
         (0..self.runs.len()).filter(|r| self.runs[*r].role == role).collect()
     }
@@ -219,7 +219,7 @@ impl Experiment {
             declaration,
             &place,
         )?;
-        // Temperatures rise above ambient: no default stands for it.
+        // The model predicts temperature rises above ambient, so ambient has no default.
         if inputs.iter().all(|c| c.column != AMBIENT)
             && let Some(ambient) = Channel::inputs_of(declaration).find(|c| c.column == AMBIENT)
         {
@@ -304,7 +304,7 @@ impl Experiment {
         }
         let mut notes: Vec<String> = Vec::new();
         for note in runs.iter().flat_map(|r| &r.table.notes) {
-            // A file may appear in several roles.
+            // A file may appear in several roles; its note is reported once.
             if !notes.contains(note) {
                 notes.push(note.clone());
             }
@@ -327,7 +327,7 @@ impl Experiment {
     }
 }
 
-/// Times of dates as seconds since the midnight before the first of them, which is the same for all files.
+/// Converts dates to seconds since the midnight before the earliest date, one origin for all files.
 fn since_midnight(runs: &mut [Run]) {
     let dated = || runs.iter().filter(|r| r.table.dated).map(|r| r.table.time[0]);
     let first = dated().fold(f64::INFINITY, f64::min);
@@ -344,7 +344,7 @@ fn model(name: &Spanned<String>, place: &Place) -> Result<&'static ModelType, Ca
     })
 }
 
-/// The channels of a list of columns; `possible` are those that the model has a variable for in this role.
+/// The channels of a list of columns; `possible` are those with a variable of the model in this role.
 fn channels(
     columns: &[Spanned<String>],
     word: &str,
@@ -353,7 +353,7 @@ fn channels(
     place: &Place,
 ) -> Result<Vec<&'static Channel>, CalibrateError> {
     let mut found: Vec<&'static Channel> = Vec::new();
-    // A model has one input of a kind, and as many sensors as somebody mounts.
+    // A model has one input of each quantity, but the bench may have several sensors for one output.
     let further: Vec<&'static Channel> = if word == "output" { possible.clone() } else { Vec::new() };
     for column in columns {
         let name = column.get_ref();
@@ -371,7 +371,7 @@ fn channels(
     Ok(found)
 }
 
-/// The priors of a table.
+/// Reads a table of priors.
 fn priors_of(
     table: &BTreeMap<Spanned<String>, PriorText>,
     declaration: &Declaration,
@@ -405,7 +405,7 @@ fn priors_of(
     table.iter().map(one).collect()
 }
 
-/// The outputs that a file does not have.
+/// The outputs that are not recorded in a file.
 fn not_measured(
     names: &[Spanned<String>],
     outputs: &[&'static Channel],
@@ -427,7 +427,7 @@ fn not_measured(
     names.iter().map(one).collect()
 }
 
-/// Start values of a table: name and number.
+/// Start values of a table: name and value.
 fn settings(
     table: &BTreeMap<Spanned<String>, Value>,
     declaration: &Declaration,
@@ -441,7 +441,7 @@ fn settings(
     table.iter().map(one).collect()
 }
 
-/// Modes that follow from what drives the motor.
+/// Modes of the model that follow from the input columns.
 fn modes(inputs: &[&'static Channel], declaration: &Declaration) -> Vec<(String, f64)> {
     let has = |column: &str| inputs.iter().any(|c| c.column == column);
     let drive = [
@@ -474,7 +474,7 @@ fn parameter<'a>(
     })
 }
 
-/// The number of a value that the parameter may have; one sentence else.
+/// The value as a number within the parameter's limits; otherwise a one-sentence error.
 fn number(entry: &Entry, value: &Value) -> Result<f64, String> {
     let number = match (value, entry.row.kind) {
         (Value::String(item), Kind::Enumeration(table)) => {

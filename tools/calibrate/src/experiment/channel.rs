@@ -1,8 +1,8 @@
-//! The columns of a bench file: name, unit, and the variable of the model that each belongs to.
+//! Columns of a bench file: name, unit, and the corresponding variable of the model.
 //!
-//! A column may stand in the list more than once, where models have other variables for it; the first that fits the
-//! model counts. What fits one model must not mean another thing in the next: power_electrical is what one motor takes
-//! at its terminals and the copper heat alone of the other, so supply_power stands before it.
+//! A column may be listed more than once if models name its variable differently; the first entry that matches the
+//! model is used. The order matters: `power_electrical` is the power at the terminals in one motor model and the copper loss
+//! alone in the other, so `supply_power` is listed first.
 
 use crate::initial::Node;
 use physics::declare::{Causality, Unit};
@@ -10,23 +10,23 @@ use physics::model::Declaration;
 use physics::terms::Driver;
 use std::sync::{Mutex, PoisonError};
 
-/// A quantity that a bench records, with its column in a file.
+/// A quantity recorded by the bench and its column in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Channel {
-    /// Name of the column, which ends in its unit.
+    /// Name of the column, with the unit as suffix.
     pub column: &'static str,
     /// SI unit of the quantity.
     pub unit: Unit,
-    /// The model's input that it drives, where it can drive one.
+    /// The model's input that the column can drive, if any.
     pub input: Option<&'static str>,
-    /// The model's output that it is compared with, where there is one.
+    /// The model's output that the column is compared with, if any.
     pub output: Option<&'static str>,
-    /// Added to the file's number for SI units.
+    /// Added to the file's number to convert to SI units.
     pub offset: f64,
 }
 
 impl Channel {
-    /// The channel of a column, whatever the model.
+    /// The channel of a column, for any model.
     pub fn of(column: &str) -> Option<&'static Channel> {
         CHANNELS.iter().find(|c| c.column == column)
     }
@@ -39,7 +39,7 @@ impl Channel {
             let (quantity, unit) = channel.column.split_at(channel.quantity().len());
             let number = name.strip_prefix(quantity)?.strip_prefix('_')?;
             let number = number.strip_suffix(unit).unwrap_or(number);
-            // 2 and not 02, so that a sensor has one name.
+            // "2" is accepted and "02" is not, so that a sensor has only one name.
             let counts = number.parse::<u8>().is_ok_and(|n| n >= 2 && n.to_string() == number);
             counts.then(|| format!("{quantity}_{number}{unit}"))
         };
@@ -49,7 +49,7 @@ impl Channel {
         if let Some(found) = known.iter().find(same) {
             return Some(found);
         }
-        // One for each sensor that an experiment names: kept for the whole run of the program, as the others are.
+        // Allocated once per sensor and kept until the program ends, like the static channels.
         let column: &'static str = Box::leak(column.into_boxed_str());
         let found: &'static Channel = Box::leak(Box::new(Channel { column, input: None, ..channel }));
         known.push(found);
@@ -66,7 +66,7 @@ impl Channel {
         CHANNELS.iter().filter(|c| has(model, c.output, Causality::Output))
     }
 
-    /// The node whose temperature it is.
+    /// The node whose temperature the channel measures.
     pub fn node(&self) -> Option<Node> {
         match self.output? {
             "winding_temperature" => Some(Node::Winding),
@@ -78,7 +78,7 @@ impl Channel {
         }
     }
 
-    /// The channel that reads a driver of terms, where the bench has a sensor for it.
+    /// The channel that measures a driver of terms, if the bench has a sensor for it.
     pub fn reading(driver: Driver) -> Option<&'static Channel> {
         let output = match driver {
             Driver::Current => "current",
@@ -90,18 +90,18 @@ impl Channel {
         CHANNELS.iter().find(|c| c.output == Some(output))
     }
 
-    /// Whether it is a temperature.
+    /// Whether the channel is a temperature.
     pub fn is_temperature(&self) -> bool {
         self.offset != 0.0
     }
 }
 
-/// Whether a model has this variable in this role.
+/// Whether the model has this variable with this causality.
 fn has(model: &Declaration, name: Option<&str>, causality: Causality) -> bool {
     name.and_then(|name| model.by_name(name)).is_some_and(|entry| entry.row.causality == causality)
 }
 
-/// Celsius in a file, kelvin in the model.
+/// Offset between degrees Celsius in a file and kelvin in the model.
 const CELSIUS: f64 = 273.15;
 
 const fn channel(
@@ -110,12 +110,12 @@ const fn channel(
     input: Option<&'static str>,
     output: Option<&'static str>,
 ) -> Channel {
-    // Temperatures stand in degC.
+    // Temperatures are in degC in files.
     let offset = if matches!(unit, Unit::Kelvin) { CELSIUS } else { 0.0 };
     Channel { column, unit, input, output, offset }
 }
 
-/// Every column that a file may have beside `time_s`.
+/// Every column that a file may have in addition to `time_s`.
 pub const CHANNELS: &[Channel] = &[
     channel("voltage_V", Unit::Volt, Some("voltage"), Some("terminal_voltage")),
     channel("voltage_V", Unit::Volt, None, Some("voltage")),
@@ -146,7 +146,7 @@ mod tests {
         (physics::models::by_name(model).unwrap().declaration)()
     }
 
-    /// Every column names variables that a model has, of the right kind, and in the unit that its name says.
+    /// Every column refers to variables that exist in a model, with the right causality and the unit of its name.
     #[test]
     fn columns_are_variables_of_a_model() {
         for channel in CHANNELS {
@@ -171,7 +171,7 @@ mod tests {
         }
     }
 
-    /// A number of 2 or more before the unit names a further sensor, whose output is that of the first.
+    /// A number of 2 or more before the unit denotes a further sensor of the same output.
     #[test]
     fn further_sensors_have_numbers() {
         let outputs: Vec<_> = Channel::outputs_of(declaration("AnnulusCooledMotor")).collect();
@@ -205,7 +205,7 @@ mod tests {
         assert_eq!(input(gearmotor, "supply_voltage_V"), Some("supply_voltage"));
         assert_eq!(output(gearmotor, "box_temperature_degC"), Some("box_temperature"));
         assert_eq!(output(motor, "box_temperature_degC"), None);
-        // What both have is the same thing in both.
+        // Columns of both models have the same meaning in both.
         for column in ["duty_1", "load_torque_Nm", "ambient_temperature_degC"] {
             assert!(
                 input(motor, column).is_some() && input(motor, column) == input(gearmotor, column),

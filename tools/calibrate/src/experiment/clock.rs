@@ -1,26 +1,27 @@
-//! Clocks that do not agree, as far as the files show it.
+//! Detection of clock mismatch between files and between columns of a file.
 //!
-//! All files of a set share one clock, so two of them cannot overlap in time. Within a file, what follows an input at
-//! once must change in the row in which the input changes: of all shifts l of an output, that by 0 must explain it best,
+//! All files of a set share one clock, so two of them cannot overlap in time. Within a file, an output with an instantaneous
+//! response must change in the row in which the input changes. Of all shifts l of such an output, l = 0 must then give the best
+//! regression:
 //!
 //! dy(k + l) = sum_j b_j du_j(k) + rest,    R^2(l) = 1 - |rest|^2 / |dy|^2                          (1)
 //!
-//! with d the change from row to row. At once follow the electrical and mechanical channels; of the winding the
-//! *change* of its warming does, when its heat changes.
-//! *Assumes* rows close enough to equidistant; finds no mismatch that is the same in all channels, nor one in a
-//! run whose inputs hardly move.
+//! d is the change from row to row. Electrical and mechanical channels respond instantaneously. For the winding, the *rate* of
+//! temperature rise responds instantaneously to a change of its loss.
+//! *Assumes* approximately equidistant rows. A shift common to all channels is not detectable, nor is a shift in a run whose
+//! inputs are nearly constant.
 //! *Source*: cross-correlation of increments, Ljung, System Identification (2nd ed., 1999), ch. 6.1.
 
 use super::{Channel, Run};
 use nalgebra::{DMatrix, DVector};
 
-/// Shifts that are looked at, rows.
+/// Largest shift that is tested, rows.
 const FAR: usize = 40;
-/// Rows that are looked at.
+/// Largest number of rows that is evaluated.
 const MOST_ROWS: usize = 8000;
-/// Fewest rows that tell anything.
+/// Smallest number of rows for a meaningful test.
 const LEAST_ROWS: usize = 4 * FAR;
-/// Columns that take part in what changes at once.
+/// Columns that respond instantaneously to each other.
 const AT_ONCE: [&str; 7] = [
     "voltage_V",
     "supply_voltage_V",
@@ -30,27 +31,27 @@ const AT_ONCE: [&str; 7] = [
     "speed_rad_per_s",
     "shaft_torque_Nm",
 ];
-/// Columns that heat the winding.
+/// Columns that determine the loss of the winding.
 const HEAT: [&str; 2] = ["current_A", "electrical_power_W"];
-/// The column that the heat shows in.
+/// The column that responds to this loss.
 const WINDING: &str = "winding_temperature_degC";
 
-/// What a shift must explain and by how much more than none, and how large it must be, rows.
+/// Thresholds: R^2 at the best shift, increase of R^2 over zero shift, and shift in rows.
 struct Bar {
     explained: f64,
     more: f64,
     rows: usize,
 }
-/// Changes at once: noise of a channel alone can hide them.
+/// Instantaneous response: noise of a single channel can mask it.
 const INSTANT: Bar = Bar { explained: 0.5, more: 0.2, rows: 2 };
-/// A winding answers over its time constant, and its second differences are noisy.
+/// The winding responds over its time constant, and its second differences are noisy.
 const WARMING: Bar = Bar { explained: 0.3, more: 0.2, rows: 4 };
 
-/// What is odd with the clocks, in sentences.
+/// Warnings about clocks, in sentences.
 pub fn notes(inputs: &[&'static Channel], outputs: &[&'static Channel], runs: &[Run]) -> Vec<String> {
     let mut files: Vec<&Run> = Vec::new();
     for run in runs {
-        // A file may appear in several roles.
+        // A file may appear in several roles; it is tested once.
         if !files.iter().any(|r| r.file == run.file) {
             files.push(run);
         }
@@ -94,7 +95,7 @@ fn overlaps(files: &[&Run]) -> Vec<String> {
     notes
 }
 
-/// A sentence where an output is best explained by inputs of other rows.
+/// A sentence if inputs of other rows explain the output best.
 fn shifted(run: &Run, inputs: &[&'static Channel], output: &Channel, column: &[f64]) -> Option<String> {
     let time = &run.table.time;
     let rows = time.len().min(MOST_ROWS);
@@ -117,7 +118,7 @@ fn shifted(run: &Run, inputs: &[&'static Channel], output: &Channel, column: &[f
             changes(&column[..rows].iter().map(of).collect::<Vec<_>>())
         })
         .collect();
-    // The inner rows, so that every shift sees as many.
+    // Inner rows only, so that every shift uses the same number of rows.
     let inner = FAR..rows - 1 - FAR;
     let mut target = changes(&column[..rows]);
     if is_winding {
@@ -150,7 +151,7 @@ fn shifted(run: &Run, inputs: &[&'static Channel], output: &Channel, column: &[f
     })
 }
 
-/// Changes from row to row; none where one of the two was not measured.
+/// Changes from row to row; NaN if one of the two readings is missing.
 fn changes(column: &[f64]) -> Vec<f64> {
     let change = |w: &[f64]| if (w[1] - w[0]).is_finite() { w[1] - w[0] } else { 0.0 };
     column.windows(2).map(change).collect()
@@ -222,7 +223,7 @@ mod tests {
         let late = notes_of(&[run("a.csv", 0.0, [0, 12])]);
         assert_eq!(late.len(), 1, "{late:?}");
         assert!(late[0].starts_with("a.csv: winding_temperature_degC moves 12 rows"), "{late:?}");
-        // The inputs are late: the same, seen from the other side.
+        // The inputs are delayed: equivalent to outputs that lead.
         let mut early = run("a.csv", 0.0, [0, 0]);
         for column in &mut early.table.columns[..2] {
             column.rotate_right(5);
@@ -238,7 +239,7 @@ mod tests {
     fn files_that_overlap_are_noted() {
         let at = |begin: f64, file: &str| run(file, begin, [0, 0]);
         assert_eq!(notes_of(&[at(0.0, "a.csv"), at(3000.0, "b.csv")]), Vec::<String>::new());
-        // The same file twice is one.
+        // A file that is listed twice counts as one file.
         assert_eq!(
             notes_of(&[at(0.0, "a.csv"), at(0.0, "a.csv"), at(3000.0, "b.csv")]),
             Vec::<String>::new()

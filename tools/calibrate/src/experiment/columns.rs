@@ -1,4 +1,4 @@
-//! `[columns]`: headers of a file, the quantities that they record and their units.
+//! `[columns]`: headers of a file, their quantities and units.
 
 use super::Place;
 use super::channel::{CHANNELS, Channel};
@@ -8,22 +8,22 @@ use physics::declare::Unit;
 use std::collections::BTreeMap;
 use toml::{Spanned, Value};
 
-/// The column of the time in files, and its quantity.
+/// The time column in files, and its quantity.
 pub const TIME: &str = "time_s";
 const TIME_QUANTITY: &str = "time";
 
-/// A header of a file and the column of the contract that it stands for.
+/// A header of a file and the corresponding column of the contract.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// The header in the file.
     pub header: String,
-    /// The contract's name of the column.
+    /// The name of the column in the contract.
     pub column: &'static str,
     /// Its unit in the file.
     pub unit: FileUnit,
 }
 
-/// The columns of `[columns]`.
+/// Reads the columns of `[columns]`.
 pub fn read(table: &BTreeMap<Spanned<String>, Value>, place: &Place) -> Result<Vec<Column>, CalibrateError> {
     let one = |(header, value): (&Spanned<String>, &Value)| {
         let at = header.span().start;
@@ -31,7 +31,7 @@ pub fn read(table: &BTreeMap<Spanned<String>, Value>, place: &Place) -> Result<V
         let (column, si) = quantity(name).ok_or_else(|| {
             let mut known: Vec<&str> = vec![TIME_QUANTITY];
             known.extend(CHANNELS.iter().map(Channel::quantity));
-            // A channel of several models stands there for each, one after the other.
+            // A channel has one entry per model; the entries are adjacent.
             known.dedup();
             place.at(
                 at,
@@ -41,7 +41,7 @@ pub fn read(table: &BTreeMap<Spanned<String>, Value>, place: &Place) -> Result<V
                 ),
             )
         })?;
-        // What stands in brackets may also be a remark.
+        // The text in brackets may also be a remark.
         let in_brackets =
             delimited::name_and_unit(header.get_ref()).1.filter(|unit| units::is_unit(si, unit));
         let stated = unit.or(in_brackets).unwrap_or(units::names(si)[0]);
@@ -70,7 +70,7 @@ fn parts(value: &Value) -> Result<(&str, Option<&str>), String> {
     }
 }
 
-/// The column of a quantity, or of its own name, and the SI unit.
+/// The column of a quantity or of a column name, and the SI unit.
 fn quantity(name: &str) -> Option<(&'static str, Unit)> {
     if name == TIME_QUANTITY || name == TIME {
         return Some((TIME, Unit::Second));
@@ -96,7 +96,7 @@ impl Channel {
         self.column.strip_suffix(end).unwrap_or(self.column)
     }
 
-    /// Whether it goes by this name: its column or its quantity.
+    /// Whether the name is its column or its quantity.
     pub fn is_named(&self, name: &str) -> bool {
         self.column == name || self.quantity() == name
     }

@@ -1,18 +1,18 @@
-//! Rows that count in two runs: errors on rows that were fitted are no test, and rows that are fitted twice count twice.
+//! Rows that two runs share: fitted rows are not held out, and rows that are fitted twice have double weight.
 
 use super::Run;
 use std::collections::HashSet;
 
-/// A window ends where the next one begins: the row at this time is in both.
+/// One row at the border: adjacent windows share the row at their common time.
 const AT_THE_BORDER: usize = 1;
 
-/// Each pair of runs with the same rows, in a sentence. The first `inputs` columns are inputs.
+/// One sentence for each pair of runs with shared rows. The first `inputs` columns are inputs.
 pub fn notes(inputs: usize, runs: &[Run]) -> Vec<String> {
     let rows: Vec<HashSet<Vec<u64>>> = runs.iter().map(|run| counted(inputs, run)).collect();
     let pairs = (0..runs.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
     let of = |(a, b): (usize, usize)| {
         let shared = rows[a].intersection(&rows[b]).count();
-        // Rows of two files may be alike by chance where the motor is at rest and readings are coarse; not most of them.
+        // Rows of two files may coincide where the motor is at rest and readings are coarse, but less than half of them.
         let by_chance = if runs[a].file == runs[b].file {
             AT_THE_BORDER
         } else {
@@ -29,7 +29,7 @@ pub fn notes(inputs: usize, runs: &[Run]) -> Vec<String> {
     pairs.filter_map(of).collect()
 }
 
-/// Time and values of the rows of a run that count, as bits. A row without a reading of an output has nothing to fit or to test.
+/// Time and values of the evaluated rows of a run, as bits. Rows without a reading of an output are excluded.
 fn counted(inputs: usize, run: &Run) -> HashSet<Vec<u64>> {
     let (from, to) = run.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
     let columns = &run.table.columns;
@@ -46,7 +46,7 @@ mod tests {
 
     fn run(file: &str, role: Role, shift: f64, window: Option<(f64, f64)>) -> Run {
         let time: Vec<f64> = (0..100).map(|k| 2.0 * f64::from(k)).collect();
-        // The first thirty rows are at rest, alike in all files.
+        // The first thirty rows are at rest and identical in all files.
         let column = (0..100).map(|k| if k < 30 { 0.0 } else { (f64::from(k) + shift).sin() }).collect();
         let table = Table { time, columns: vec![column], dated: false, notes: Vec::new() };
         let (priors, set) = (Vec::new(), Vec::new());
@@ -65,11 +65,11 @@ mod tests {
             let begin = format!("{shared} rows of a.csv count in another run as well (");
             assert!(found.len() == 1 && found[0].starts_with(&begin), "{found:?}");
         }
-        // One window after the other, and another run with the same rest.
+        // Adjacent windows of one file, and another run with the same rows at rest.
         assert!(notes(0, &[fit(), run("a.csv", Role::Test, 0.0, Some((80.0, 199.0)))]).is_empty());
         let whole = |file: &str, shift: f64| run(file, Role::Fit, shift, None);
         assert!(notes(0, &[whole("a.csv", 0.0), whole("b.csv", 0.3)]).is_empty());
-        // The one column is an input: no row has a reading.
+        // The only column is an input: no row has an output reading.
         assert!(notes(1, &[fit(), run("a.csv", Role::Test, 0.0, None)]).is_empty());
     }
 }

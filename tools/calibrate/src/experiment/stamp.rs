@@ -1,21 +1,21 @@
 //! Times of a file: seconds, ISO 8601 date and time, or hours, minutes and seconds.
 
-/// Seconds of a day.
+/// Seconds per day.
 pub const DAY: f64 = 86_400.0;
 
-/// A time as a file has it.
+/// A time in the format of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stamp {
     /// A number in the unit of its column.
     Number(f64),
     /// Seconds since 1970-01-01, 00:00 UTC (local time where no zone is given).
     Date(f64),
-    /// Seconds since midnight or since the start of a clock.
+    /// Seconds since midnight or since the start of the logger's clock.
     Clock(f64),
 }
 
 impl Stamp {
-    /// The time of a cell, with a decimal point; `None` where it is none.
+    /// The time in a cell, with a decimal point; `None` if the cell is not a time.
     pub fn of(cell: &str) -> Option<Stamp> {
         if let Ok(number) = cell.parse::<f64>() {
             return Some(Stamp::Number(number));
@@ -28,7 +28,7 @@ impl Stamp {
     }
 }
 
-/// Days since 1970-01-01 of a date YYYY-MM-DD. *Source*: Richards, Explanatory Supplement to the Astronomical Almanac, 3rd ed.
+/// Days from 1970-01-01 to a date YYYY-MM-DD. *Source*: Richards, Explanatory Supplement to the Astronomical Almanac, 3rd ed.
 /// (2013), 15.11.3 (Julian day of a Gregorian date).
 fn days(date: &str) -> Option<f64> {
     let parts: Vec<&str> = date.split(['-', '/']).collect();
@@ -47,7 +47,7 @@ fn days(date: &str) -> Option<f64> {
     Some((julian - 2_440_588) as f64)
 }
 
-/// A time of day with or without a zone: Z, +02:00, -0130.
+/// A time of day with or without a time zone: Z, +02:00, -0130.
 fn zoned(text: &str) -> Option<f64> {
     if let Some(time) = text.strip_suffix(['Z', 'z']) {
         return clock(time);

@@ -1,4 +1,4 @@
-//! One CSV file of a run: checked, in SI units, blanks as gaps.
+//! One CSV file of a run: validated, converted to SI units, blanks as missing readings.
 
 use super::channel::Channel;
 use super::columns::{Column, TIME};
@@ -8,31 +8,31 @@ use crate::CalibrateError;
 use delimited::Row;
 use std::path::Path;
 
-/// What a file holds, in SI units.
+/// Contents of a file, in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Time of each row, s, ascending.
     pub time: Vec<f64>,
-    /// One column for each wanted channel; NaN where nothing was measured.
+    /// One column for each requested channel; NaN for a missing reading.
     pub columns: Vec<Vec<f64>>,
-    /// Whether its times are dates: seconds since 1970-01-01.
+    /// Whether the times are dates: seconds since 1970-01-01.
     pub dated: bool,
-    /// What is odd but no error, in sentences.
+    /// Warnings, in sentences.
     pub notes: Vec<String>,
 }
 
-/// How many times as often as each of so many readings next to it the last one stands there, where a sensor ends.
+/// Saturation: the end value must occur this many times as often as each of the readings next to it.
 const CLIPPED: usize = 8;
 const NEXT: usize = 8;
-/// A pause in time this many times the usual distance of rows is a gap.
+/// A pause longer than this many times the usual sampling interval is a gap.
 const GAP: f64 = 5.0;
 
 impl Table {
-    /// Reads the channels that an experiment wants from a file; `wanted` in the order of [`Table::columns`], `mapped` the
-    /// headers of `[columns]`, `blank` the columns that the file does not have.
+    /// Reads the requested channels from a file. `wanted` has the order of [`Table::columns`], `mapped` are the
+    /// headers of `[columns]`, `blank` the columns that are not in the file.
     ///
     /// # Errors
-    /// One sentence with file and line: no such file, a missing column, no number, time that does not rise.
+    /// One sentence with file and line: file not found, column missing, invalid number, or time that does not increase.
     pub fn read(
         path: &Path,
         wanted: &[&'static Channel],
@@ -44,7 +44,7 @@ impl Table {
         Table::parse(&bytes, &file.to_string(), wanted, mapped, blank)
     }
 
-    /// The table of the bytes of a file; `file` names it in errors.
+    /// Parses the bytes of a file; `file` is its name in error messages.
     pub fn parse(
         bytes: &[u8],
         file: &str,
@@ -91,7 +91,7 @@ impl Table {
                 Stamp::Clock(seconds) => seconds + midnights,
             };
             if let Some(last) = table.time.last().filter(|last| time <= **last) {
-                // A clock that goes on after 23:59.
+                // A clock without dates that wraps at midnight.
                 if cells[time_at].contains(':') && !table.dated && last - time > 0.5 * DAY {
                     midnights += DAY;
                     time += DAY;
@@ -126,8 +126,8 @@ impl Table {
         Ok(table)
     }
 
-    /// Readings that stand at one end of what a sensor shows are no readings: as many times the very same number as its neighbours
-    /// are not. `columns` are those that are read and not commanded.
+    /// Discards saturated readings: a value at the end of the sensor's range that repeats far more often than its neighbours.
+    /// `columns` are measured columns, which excludes commanded inputs.
     pub fn set_clipped_aside(
         &mut self,
         file: &str,
@@ -149,7 +149,7 @@ impl Table {
         }
     }
 
-    /// Long pauses are noted; they are simulated across.
+    /// Gaps are reported in a note; the simulation continues across them.
     fn note_gaps(&mut self, file: &str) {
         let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
         steps.sort_by(f64::total_cmp);
@@ -162,8 +162,8 @@ impl Table {
     }
 }
 
-/// The greatest reading (`side` 1) or the least (-1), where it is the end of what the sensor shows: repeated far more often than the
-/// readings next to it, which a sensor with steps repeats as well.
+/// The largest reading (`side` 1) or the smallest (-1), if it is the end of the sensor's range: it occurs far more often than the
+/// readings next to it. A sensor with coarse resolution also repeats its other readings.
 fn clipped(column: &[f64], side: f64) -> Option<f64> {
     let mut values: Vec<f64> = column.iter().filter(|v| v.is_finite()).map(|v| side * v).collect();
     values.sort_by(|a, b| b.total_cmp(a));
@@ -173,7 +173,7 @@ fn clipped(column: &[f64], side: f64) -> Option<f64> {
     (next.len() == NEXT && first.len() >= CLIPPED * usual).then_some(side * first[0])
 }
 
-/// Where a column of the contract stands in a file, and its unit if `[columns]` has it. One sentence else.
+/// Index of a contract column in a file, and its unit if `[columns]` gives one; otherwise a one-sentence error.
 fn source(header: &[String], column: &str, mapped: &[Column]) -> Result<(usize, Option<FileUnit>), String> {
     let at = |name: &str| header.iter().position(|h| h == name);
     let there: Vec<(usize, &Column)> =
@@ -194,7 +194,7 @@ fn source(header: &[String], column: &str, mapped: &[Column]) -> Result<(usize, 
     }
 }
 
-/// The time of a cell. One sentence else.
+/// The time in a cell; otherwise a one-sentence error.
 fn time_of(cell: &str) -> Result<Stamp, String> {
     if cell.is_empty() {
         return Err("time_s is blank; every row needs a time".to_string());
@@ -210,7 +210,7 @@ fn time_of(cell: &str) -> Result<Stamp, String> {
     }
 }
 
-/// The number of a cell; a blank is NaN. One sentence else.
+/// The number in a cell, NaN for a blank; otherwise a one-sentence error.
 fn number(cell: &str, column: &str) -> Result<f64, String> {
     if cell.is_empty() {
         return Ok(f64::NAN);
@@ -268,7 +268,7 @@ mod tests {
         }
     }
 
-    /// A ramp of 300 readings with a little noise, cut off at 50; one of a sensor with steps of 0.5 is not, nor one that rests.
+    /// A ramp of 300 readings with small noise, saturated at 50, is detected; a sensor resolution of 0.5 or a motor at rest is not.
     #[test]
     fn what_stands_at_the_end_of_a_sensor_is_set_aside() {
         let noise = |k: i32| f64::from((k * 7919) % 101) * 1e-3;

@@ -53,7 +53,7 @@ fn an_experiment_in_full() {
     let last = &found.runs[1];
     assert_eq!((last.role, last.window, last.start), (Role::Test, Some((1.0, 4.0)), Start::Measured));
     assert_eq!(last.table.columns[4], [296.15, 297.15, 298.15]);
-    // Bare is the second of the modes.
+    // `bare` is the second value of the mode.
     assert_eq!(last.set, [("cooling_mode".to_string(), 2.0), ("housing.emissivity".to_string(), 0.3)]);
     assert!(found.runs[0].set.is_empty());
 }
@@ -70,7 +70,7 @@ fn the_drive_follows_from_the_inputs() {
     }
 }
 
-/// Each with the line that is to blame.
+/// Each error names the line that causes it.
 #[test]
 fn what_cannot_be_is_named_with_file_and_line() {
     let all = format!("{HEAD}{REST}");
@@ -102,7 +102,7 @@ fn what_cannot_be_is_named_with_file_and_line() {
     }
 }
 
-/// What a file has wrong is found when the experiment is read, and named with that file.
+/// Errors in a run's file are found when the experiment is read, and the message names that file.
 #[test]
 fn what_a_file_has_wrong_is_named_when_the_experiment_is_read() {
     for (from, to, parts) in [
@@ -124,7 +124,7 @@ fn what_a_file_has_wrong_is_named_when_the_experiment_is_read() {
     assert!(sentence.contains("no/such/EXPERIMENT.toml cannot be read"), "{sentence}");
 }
 
-/// Unknowns of one run, relative or with a unit.
+/// Parameters that are unknown in one run, with relative or absolute standard deviation.
 #[test]
 fn priors_of_one_run() {
     let of = |text: &str| read(&format!("{HEAD}{REST}[run.prior]\n{text}\n"));
@@ -160,7 +160,7 @@ fn a_warm_start_needs_a_temperature() {
     );
 }
 
-/// The gearmotor of the paper has columns of its own, and no modes.
+/// The gearmotor of the paper has its own columns and no modes.
 #[test]
 fn a_gearmotor_has_an_experiment_too() {
     let text = r#"[experiment]
@@ -210,7 +210,7 @@ fn read_with(rest: &str, rows: &[u8]) -> Result<Experiment, CalibrateError> {
     Experiment::parse(&format!("{HEAD}{rest}"), "e.toml".to_string(), folder.path())
 }
 
-/// A file as a logger writes it: its own headers and units, semicolons, decimal commas, dates, a repeated row, no UTF-8.
+/// A file as written by a logger: own headers and units, semicolons, decimal commas, dates, a repeated row, not UTF-8.
 #[test]
 fn a_foreign_file_is_read_through_its_columns() {
     let rows = "# a logger's own remark\nZeit;I [mA];n [1/min];Umgebung [°F];Klemmenspannung/V;T_W [K]\n\
@@ -237,7 +237,7 @@ fn a_foreign_file_is_read_through_its_columns() {
     }
 }
 
-/// A column named by its quantity alone has the unit in the brackets of its header; what is no unit there is a remark.
+/// A column given by its quantity takes the unit in the brackets of its header; other text in brackets is a remark.
 #[test]
 fn units_of_headers_count() {
     let rows = RUN.replacen("current_A", "I [mA]", 1).replacen("speed_rad_per_s", "n (Sensor 2)", 1);
@@ -255,14 +255,14 @@ fn units_of_headers_count() {
     assert!(refused.contains("a column is \"quantity\" or {") && !refused.contains("struct"), "{refused}");
 }
 
-/// A clock without dates goes on after midnight, and a column may keep its contract name beside mapped ones.
+/// A clock without dates wraps at midnight; a column may keep its contract name next to mapped columns.
 #[test]
 fn clocks_and_names_of_the_contract() {
     let rows =
         RUN.replace("\n0,", "\n23:59:58,").replace("\n2,", "\n00:00:00.5,").replace("\n4,", "\n0:00:02,");
     let found = read_with("[[run]]\nfile = \"a.csv\"\nrole = \"fit\"\n", rows.as_bytes()).unwrap();
     assert_eq!(found.runs[0].table.time, [86_398.0, 86_400.5, 86_402.0]);
-    // Short names among inputs and outputs.
+    // Quantity names without unit in the lists of inputs and outputs.
     let short = format!("{HEAD}{REST}")
         .replace("\"speed_rad_per_s\"", "\"speed\"")
         .replace("\"voltage_V\"", "\"voltage\"");
@@ -272,7 +272,7 @@ fn clocks_and_names_of_the_contract() {
     );
 }
 
-/// Two thermocouples on the housing, of which one run has the second only, and says so.
+/// Two thermocouples on the housing; one run declares that it has only the second.
 #[test]
 fn several_sensors_on_a_node_and_channels_that_a_file_lacks() {
     let outputs = "\"winding_temperature_degC\", \"housing_temperature_degC\", \"housing_temperature_2\"]";

@@ -1,19 +1,19 @@
-//! Units in which bench files record a quantity. The conversions are those of the crate `units`; here stand the units by whose exchange
-//! readings may be wrong, and that messages list.
+//! Units in which bench files record a quantity. The conversions come from the crate `units`. This module lists the usual units, which
+//! messages name and among which a wrong unit of readings is searched.
 
 use ::units::Refusal;
 use physics::declare::Unit;
 
-/// A unit of a file: SI value = factor * reading + offset.
+/// A unit in a file: SI value = factor * reading + offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FileUnit {
     /// Factor to SI.
     pub factor: f64,
-    /// Added after the factor.
+    /// Added after multiplication by the factor.
     pub offset: f64,
 }
 
-/// The usual units of a quantity that a bench records, by its SI unit; the first is that of the column name.
+/// The usual units of a recorded quantity, by its SI unit; the first is that of the column name.
 pub const fn names(of: Unit) -> &'static [&'static str] {
     match of {
         Unit::Volt => &["V", "mV", "kV"],
@@ -32,7 +32,7 @@ pub const fn names(of: Unit) -> &'static [&'static str] {
     }
 }
 
-/// The usual units of a quantity with their names.
+/// The usual units of a quantity, by name.
 pub fn units(of: Unit) -> Vec<(&'static str, FileUnit)> {
     names(of).iter().filter_map(|name| Some((*name, by_name(of, name)?))).collect()
 }
@@ -42,7 +42,7 @@ pub fn is_unit(of: Unit, name: &str) -> bool {
     !matches!(::units::conversion(usual(of, name), of.name(), false), Err(Refusal::Unknown(_)))
 }
 
-/// What is common in headers and means another thing elsewhere: a coulomb, a farad, a difference.
+/// Common abbreviations in headers that collide with other units: coulomb, farad, temperature difference.
 fn usual(of: Unit, name: &str) -> &str {
     match (of, name) {
         (Unit::Kelvin, "C") => "degC",
@@ -54,10 +54,10 @@ fn usual(of: Unit, name: &str) -> &str {
     }
 }
 
-/// The unit of this name, where it is one of the quantity: any product of units with prefixes, as datasheets write them.
+/// The unit with this name if it fits the quantity: any product of units with prefixes, as in datasheets.
 pub fn by_name(of: Unit, name: &str) -> Option<FileUnit> {
     let way = ::units::conversion(usual(of, name), of.name(), false).ok().filter(|way| !way.reciprocal)?;
-    // A temperature in percent or a time in degC is none.
+    // Rejects units of another kind, such as a temperature in percent or a time in degC.
     let offset = way.of(0.0);
     Some(FileUnit { factor: way.of(1.0) - offset, offset })
 }
@@ -66,7 +66,7 @@ pub fn by_name(of: Unit, name: &str) -> Option<FileUnit> {
 mod tests {
     use super::*;
 
-    /// Every usual unit is known to the one table of units; the first is that of the column name.
+    /// Every usual unit exists in the common table of units; the first is that of the column name.
     #[test]
     fn usual_units_are_known() {
         for of in Unit::ALL {
