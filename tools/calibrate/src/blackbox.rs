@@ -1,8 +1,8 @@
-//! Black-box models beside the physical one: what a model without physics predicts from the same inputs.
+//! Black-box models for comparison with the physical model: prediction from the same inputs without physics.
 //!
-//! Two kinds are fitted to the fit runs: a network of two thermal nodes whose parameters are all free ([`network`]), for the
-//! temperatures, and a linear difference equation ([`arx`]), for every channel. The errors on the validation runs choose between them
-//! and the order of the latter; without validation runs the final prediction error does. Both are simulated over a run from its first
+//! Two kinds are fitted to the fit runs: a network of two thermal nodes with all parameters free ([`network`]), for temperatures,
+//! and a linear difference equation ([`arx`]), for every channel. The validation error selects the kind and the order of the
+//! equation; without validation runs, Akaike's final prediction error selects them. Both are simulated over a run from its first
 //! row: no measured output enters the prediction.
 //! *Source*: Ljung, System Identification, 2nd ed. (1999), 4.2 (ARX), 16.4 (choice by validation data; Akaike's final prediction error).
 
@@ -15,30 +15,30 @@ use crate::outcome::BlackBox;
 use crate::report::ROLES;
 use crate::setup::Setup;
 
-/// A run as a black box sees it.
+/// A run with the scaled inputs of the black boxes.
 struct Series {
     role: Role,
     time: Vec<f64>,
-    /// Inputs but ambient, over their greatest size in the fit runs: inputs by rows.
+    /// Inputs except ambient, divided by their largest magnitude in the fit runs: inputs by rows.
     inputs: Vec<Vec<f64>>,
     /// Ambient temperature at each row; 0 without one.
     ambient: Vec<f64>,
-    /// Outputs by rows, NaN where not measured.
+    /// Outputs by rows, NaN if not measured.
     outputs: Vec<Vec<f64>>,
-    /// Whether a row counts.
+    /// Whether a row is evaluated.
     counts: Vec<bool>,
     /// Whether the run starts at measured temperatures.
     is_warm: bool,
 }
 
-/// A candidate: what it predicts of one output in every run, and its number of free parameters.
+/// A candidate: its predictions of one output in every run, and its number of free parameters.
 struct Candidate {
     kind: String,
     predicted: Vec<Vec<f64>>,
     parameters: usize,
 }
 
-/// The better black box of each channel that is measured in a fit run; as many as there is time for.
+/// The better black box for each channel that is measured in a fit run, for as many channels as the time allows.
 pub fn black_boxes(setup: &Setup, deadline: &Deadline) -> Vec<BlackBox> {
     let all = series(setup);
     let experiment = setup.experiment;
@@ -64,7 +64,7 @@ pub fn black_boxes(setup: &Setup, deadline: &Deadline) -> Vec<BlackBox> {
     found
 }
 
-/// The validation error of a candidate; without validation data the root of the final prediction error. `None` where it is no number.
+/// The validation error of a candidate; without validation data, the root of the final prediction error. `None` if not finite.
 fn score(all: &[Series], output: usize, candidate: &Candidate) -> Option<f64> {
     let value = match rmse(all, output, candidate, Role::Validate) {
         Some((error, _)) => error,
@@ -80,7 +80,7 @@ fn score(all: &[Series], output: usize, candidate: &Candidate) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// The error over the counted rows of a role and their number; `None` without any.
+/// The RMS error over the evaluated rows of a role and their number; `None` without rows.
 fn rmse(all: &[Series], output: usize, candidate: &Candidate, role: Role) -> Option<(f64, usize)> {
     let (mut sum, mut count) = (0.0, 0usize);
     for (run, predicted) in all.iter().zip(&candidate.predicted).filter(|(run, _)| run.role == role) {
@@ -103,7 +103,7 @@ fn series(setup: &Setup) -> Vec<Series> {
             fit.iter().flat_map(|r| &setup.drives[*r].inputs()[k]).fold(0.0, |a: f64, x| a.max(x.abs()));
         if most > 0.0 { most } else { 1.0 }
     };
-    // Pressure moves too little to be a driver of a black box.
+    // Pressure varies too little to identify its effect.
     let used: Vec<usize> = (0..experiment.inputs.len())
         .filter(|k| !is_ambient(*k) && experiment.inputs[*k].unit != physics::declare::Unit::Pascal)
         .collect();

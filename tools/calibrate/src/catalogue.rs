@@ -1,4 +1,4 @@
-//! The effects of the list, as things that a model may lack.
+//! The listed effects as candidates for additions to a model.
 
 use crate::hypothesis::{Addition, Number, Shape};
 use crate::setup::Setup;
@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 
 pub use physics::effects::Way;
 
-/// A form in which an effect is looked for; the effect itself declares it (`physics/src/effects`).
+/// A candidate form of an effect; the effect itself declares it (`physics/src/effects`).
 #[derive(Clone, Copy, Debug)]
 pub struct Listed {
     /// Id of the effect.
@@ -24,7 +24,7 @@ impl std::ops::Deref for Listed {
     }
 }
 
-/// Every effect that is looked for by name.
+/// Every listed effect with a candidate form.
 pub static LISTED: LazyLock<Vec<Listed>> = LazyLock::new(|| {
     let of = |(id, candidates): &(&'static str, &'static [Candidate])| {
         let id = *id;
@@ -34,7 +34,7 @@ pub static LISTED: LazyLock<Vec<Listed>> = LazyLock::new(|| {
 });
 
 impl Listed {
-    /// The effect as an addition of size 0 to a model, acting in `active` runs; `None` where the model has no such effect.
+    /// The effect as an addition of size 0 to a model, active in the `active` runs; `None` if the model does not have the effect.
     pub fn addition(&self, setup: &Setup, active: &[bool]) -> Option<Addition> {
         let declaration = setup.bench.declaration();
         let entry = |symbol: &str| declaration.by_name(&format!("effect.{}.{symbol}", self.id));
@@ -47,7 +47,7 @@ impl Listed {
             slots.push(found.slot);
             numbers.push(Number {
                 symbol: (*symbol).to_string(),
-                // The size is looked for from zero on; what gives its shape starts at the value of the preset.
+                // The size starts at zero; shape parameters start at the preset's values.
                 value: if k == 0 { 0.0 } else { setup.bench.start_of(found.slot) },
                 limits: (found.row.min.max(-most), found.row.max.min(most)),
                 unit: found.row.unit.name(),
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
     use crate::experiment::Experiment;
 
-    /// Each effect of the motor that has a candidate is found, with the symbols that the candidate names.
+    /// Each effect of the motor with a candidate form is found, with the symbols that the candidate names.
     #[test]
     fn the_list_is_that_of_the_motor() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/bench-synthetic/iron-loss");

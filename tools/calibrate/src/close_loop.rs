@@ -1,10 +1,11 @@
-//! The whole loop: fit, find what is missing, add it, and judge it on what was not fitted.
+//! The identification loop: fit, search for missing effects, add them and test them on held-out runs.
 //!
 //! 1. The preset as it is, and the naive fit of the declared parameters (`fit.rs`).
-//! 2. The fitted model is linearised (`point.rs`) and everything it may lack is scored (`search.rs`).
-//! 3. The best compete and pass a gate (`rounds.rs`); what is taken is the new model, and 2. begins anew, three times at most.
-//! 4. What no present value of a driver explains but a force that is free in time does, follows its history.
-//! 5. The test runs are opened.
+//! 2. The fitted model is linearised (`linearization.rs`) and every candidate addition is scored (`search.rs`).
+//! 3. The best candidates compete and must pass an acceptance test (`selection.rs`). The accepted one extends the model, and step 2
+//!    is repeated, three times at most.
+//! 4. If a latent input explains a residual that no present value of a driver explains, the effect depends on history.
+//! 5. The test runs are evaluated.
 
 mod stepwise;
 
@@ -24,33 +25,33 @@ use physics::terms::Port;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Beyond its nearest rival, a force that is free in time needs this much to be called one that knows its past: a share
-/// of what there is to explain (slopes mislead by some hundredths), and a number.
+/// Lead in evidence that a latent input needs over the best law of present values to be classed as history-dependent: a fraction
+/// of the residual evidence (linearization errors are some hundredths), and an absolute value.
 const HISTORY: (f64, f64) = (0.03, 30.0);
-/// Times that numbers move beside a force, and share of their deviations by which they do no more.
+/// Largest number of updates of the parameters estimated jointly with a latent input; they stop below this fraction of a deviation.
 const MOVES: usize = 4;
 const SETTLED: f64 = 0.2;
-/// Share of what a force that is free in time explains from which on a switch explains it.
+/// A memory term replaces the latent input if it explains at least this fraction of the latent input's evidence.
 const SWITCHED: f64 = 0.9;
-/// Fraction of the time for the search from the plain fit where runs disagree; with the disagreement as noise little is left to search.
+/// Fraction of the time for the search from the plain fit if runs disagree; the disagreement counted as noise hides most effects.
 const FIRST: f64 = 0.7;
-/// What is left unexplained is said from this evidence on.
+/// An unexplained residual is reported from this evidence on.
 const SAID: f64 = 40.0;
 
-/// What is to be done.
+/// Options of the identification loop.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// Time for the search; without it as long as it takes.
+    /// Time budget of the search; unlimited if `None`.
     pub budget: Option<Duration>,
-    /// Whether the declared parameters alone are fitted and nothing is looked for.
+    /// Whether only the declared parameters are fitted, without a search for effects.
     pub fit_only: bool,
 }
 
-/// Closes the loop over an experiment; `preset` are the start values of its preset, by value reference. `progress` hears
-/// the share that is done, and what is done next.
+/// Runs the identification loop on an experiment; `preset` are the start values of its preset, by value reference. `progress` is called
+/// with the completed fraction and the name of the next step.
 ///
 /// # Errors
-/// A run that the model cannot be driven with; parameters that the runs do not show.
+/// A run without the inputs that the model needs; parameters that the runs do not determine.
 pub fn run(
     experiment: &Experiment,
     preset: &[(u32, f64)],
@@ -68,17 +69,17 @@ pub fn run(
     };
     let closed = match other {
         None => attempt(setup, plain, options, progress),
-        // Nothing but parameters, or parameters that the fit runs themselves refute: no effect can be looked for from there.
+        // Fit only, or the fit runs themselves refute the plain fit, which then is no starting point for a search.
         Some(other) if options.fit_only || other.is_plain_refuted => {
             attempt(other.setup, Ok(other.fitted), options, progress)
         }
-        // Runs may also disagree because an effect acts in some of them.
+        // An effect that acts only in some runs also makes runs disagree.
         Some(other) => {
             let end = |part: f64| {
                 let rest = options.budget.map(|budget| budget.saturating_sub(begun.elapsed()).mul_f64(part));
                 rest.map_or_else(Deadline::default, Deadline::after)
             };
-            // A model that cannot be run in all runs is none.
+            // A model that cannot be simulated in all runs is discarded.
             let found = attempt(setup.until(end(FIRST)), plain, options, progress).ok();
             let next = attempt(other.setup.until(end(1.0)), Ok(other.fitted), options, progress)?;
             Ok(found.filter(|found| !found.effects.is_empty() && left(found) <= left(&next)).unwrap_or(next))
@@ -90,7 +91,7 @@ pub fn run(
     Ok(outcome)
 }
 
-/// What the model leaves of the fit and the validation runs: the normal density at the best variance of each output.
+/// Misfit of the fit and validation runs: -2 log of the normal density at the best variance of each output.
 fn left(outcome: &Outcome) -> f64 {
     let mut squares: Vec<(&str, f64)> = Vec::new();
     for error in outcome.errors.iter().filter(|e| e.role != Role::Test && e.after.is_finite()) {
@@ -103,7 +104,7 @@ fn left(outcome: &Outcome) -> f64 {
     squares.iter().map(|(_, sum)| sum.ln()).sum()
 }
 
-/// The search from a first fit.
+/// The search, starting from a first fit.
 fn attempt<'a>(
     mut setup: Setup<'a>,
     mut refit: Result<Fitted, CalibrateError>,
@@ -114,7 +115,7 @@ fn attempt<'a>(
     setup.structure = Arc::default();
     let for_boxes = options.budget.map_or(BOXES.0, |budget| budget.mul_f64(BOXES.1));
     let fit = setup.runs(Role::Fit);
-    // What time cuts off is answered with what there is by then.
+    // At the deadline, the search returns its result so far.
     let mut is_cut = deadline.is_near();
     if !is_cut {
         let heard = refit.and_then(|r| setup.include_input_noise(&r, &fit).map(|()| r));
@@ -154,9 +155,9 @@ fn attempt<'a>(
         return Ok(outcome);
     };
     search_of.rounds(progress);
-    // What is clear from the start needs no second look.
+    // A clear result at the start makes the second search unnecessary.
     if !search_of.remember() {
-        // What cannot be looked at again stays as it was found.
+        // If the second search fails, the first result is kept.
         if let Err(e) = search_of.search_again(progress) {
             search_of.notes.push(format!("what was found could not be looked at again: {e}"));
         }
@@ -175,54 +176,54 @@ fn attempt<'a>(
     Ok(outcome)
 }
 
-/// What was found on the way.
+/// State of a search.
 struct Search<'a> {
     setup: &'a Setup<'a>,
     /// The naive fit.
     first: Linearization<'a>,
-    /// What was scored there, and at the point of each round that has taken something.
+    /// Candidates scored at the naive fit, and after each round that accepted one.
     scored: Vec<Vec<Scored>>,
-    /// The rounds, each from the model that the one before has taken.
+    /// The rounds; each starts from the model that the previous one accepted.
     rounds: Vec<Round<'a>>,
-    /// What the last round refused.
+    /// Candidates refused in the last round.
     refused: Vec<Evidence>,
-    /// What is odd.
+    /// Warnings.
     notes: Vec<String>,
-    /// Whether time is up.
+    /// Whether the time budget is exhausted.
     is_cut: bool,
-    /// The force that knows its past, where one shows beside the present value of every driver.
+    /// The memory term, if the residual needs one in addition to the present values of all drivers.
     remembered: Option<Scored>,
 }
 
-/// What a search has come to.
+/// Result of a search.
 pub struct Judgement<'a> {
     /// The verdict.
     pub verdict: Verdict,
-    /// The model, linearised; `None` where it is the naive fit.
+    /// The model, linearised; `None` if it is the naive fit.
     pub point: Option<Linearization<'a>>,
-    /// The model with the runs in which everything acts, the runs that were not fitted included.
+    /// The model with the runs in which each addition is active, including held-out runs.
     pub hypothesis: Hypothesis,
-    /// What was added, but for its numbers.
+    /// Added effects, without the final parameter values.
     pub effects: Vec<Found>,
-    /// What has no name.
+    /// Residual without an identified law.
     pub unexplained: Option<Unexplained>,
-    /// Where something has no name: the model from which parameters are told beside a force at its port that is free in time.
+    /// With an unexplained residual: the model whose parameters are estimated jointly with a latent input at its port.
     pub beside: Option<(Linearization<'a>, Port)>,
-    /// Where the residual sat.
+    /// Ports to which the residual was attributed.
     pub localised: Vec<Localised>,
-    /// What was tried.
+    /// The candidate table.
     pub candidate_table: Vec<Evidence>,
-    /// What is odd.
+    /// Warnings.
     pub notes: Vec<String>,
     /// Time for the black boxes.
     pub time_for_boxes: Duration,
 }
 
-/// Time for the black boxes: this without a budget, else this fraction of it.
+/// Time for the black boxes: an absolute value without a budget, otherwise a fraction of the budget.
 const BOXES: (Duration, f64) = (Duration::from_secs(60), 0.15);
 
 impl Judgement<'_> {
-    /// A verdict on a model to which nothing was added.
+    /// A verdict on a model without additions.
     fn of(verdict: Verdict, point: &Linearization) -> Self {
         Judgement {
             verdict,
@@ -255,7 +256,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The candidate that the last round has taken.
+    /// The candidate that the last round accepted.
     fn taken(&self) -> Option<&Candidate<'a>> {
         self.rounds.iter().rev().find_map(Round::winner)
     }
@@ -264,7 +265,7 @@ impl<'a> Search<'a> {
         self.taken().map_or(&self.first, |c| &c.point)
     }
 
-    /// The force that knows its past, where nothing that was added comes near what it would explain.
+    /// The history-dependent latent input, if the additions explain clearly less than it does.
     fn history(&self) -> Option<&Scored> {
         let scored = &self.scored[0];
         let free = scored.iter().find(|s| s.is_free())?;
@@ -291,7 +292,7 @@ impl<'a> Search<'a> {
         if remembered.is_none()
             && let Some(free) = self.history().cloned()
         {
-            // A law that predicts better stays, whatever remains unexplained beside it.
+            // A law with a better validation error is kept even if a residual remains.
             if self.has_law() {
                 judgement.notes.push(format!(
                     "beside the law that was added, a time-dependent input at {} explains more of the fit runs than any law: part of the \
@@ -323,7 +324,7 @@ impl<'a> Search<'a> {
             judgement.verdict = Verdict::Unexplained;
             judgement.unexplained = Some(unexplained(&free, false));
         } else if let Some(k) = unnamed {
-            // The shape that the data draws by itself, beside the law that was taken.
+            // The nonparametric shape estimated from the data, reported with the accepted law.
             let found = &effects[k];
             let same = |s: &&Scored| s.port == found.port && s.follows == found.follows && s.shape.len() > 2;
             let shape = self.scored[0].iter().find(same).map(|s| s.shape.clone()).unwrap_or_default();
@@ -369,12 +370,12 @@ impl<'a> Search<'a> {
         Ok(judgement)
     }
 
-    /// Whether a law of no list was taken.
+    /// Whether an accepted law is outside the list of effects.
     fn has_law(&self) -> bool {
         self.rounds.iter().filter_map(Round::winner).any(|c| !c.addition().is_listed())
     }
 
-    /// A model moved to where its numbers are best beside a force at a port that is free in time; `None` where that cannot be run.
+    /// A model with the best parameters given a latent input at a port; `None` if that model cannot be simulated.
     fn beside(&self, port: Port, from: &Linearization) -> Option<(Linearization<'a>, Port)> {
         let (setup, runs) = (self.setup, &self.first.runs);
         let place = Port::ALL.iter().find(|p| **p == port && !self.is_cut)?;
@@ -397,7 +398,7 @@ impl<'a> Search<'a> {
         Some((point, port))
     }
 
-    /// What a round has taken, but for its numbers.
+    /// The addition that a round accepted, without the final parameter values.
     fn found(&self, round: &Round, taken: usize) -> Result<Found, CalibrateError> {
         let setup = self.setup;
         let candidate = &round.candidates[taken];
@@ -437,7 +438,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// How much of the naive fit's residual a force that is free in time would explain, port by port.
+    /// Fraction of the naive fit's residual that a latent input explains, for each port.
     fn localised(&self) -> Vec<Localised> {
         let (_, raw) = self.first.evidence.cost();
         let excess = (raw - self.first.evidence.values() as f64).max(1.0);
@@ -454,14 +455,14 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Forces that are free in time explain the same at many ports of heat. One that latches, switches or comes and goes says at which it
-/// does: the force there, where that explains nearly as much.
+/// Latent inputs at different heat-flow ports explain nearly the same residual. A memory term (latch, switch, intermittent effect) is
+/// specific to its port, so its port is used if it explains nearly as much.
 fn switched<'s>(scored: &'s [Scored], free: &'s Scored) -> &'s Scored {
     let known = best_memory_term(scored).filter(|known| known.sure() > SWITCHED * free.sure());
     known.and_then(|known| latent_input_at(scored, known.port)).unwrap_or(free)
 }
 
-/// The files of active runs, each once.
+/// The files of active runs, without duplicates.
 fn files(setup: &Setup, active: &[bool]) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for (run, _) in setup.experiment.runs.iter().zip(active).filter(|(_, on)| **on) {

@@ -1,15 +1,15 @@
-//! The repaired model beside the plain refit and a black box: where it is not the best of the three, and the likely reason.
+//! Comparison of the repaired model with the plain refit and a black box: channels where it is not the best, with the likely reason.
 
 use crate::experiment::Role;
 use crate::outcome::{BlackBox, ChannelError, Verdict};
 use crate::report::column_words;
 
-/// Ratio of two errors from which on they differ.
+/// Ratio above which two errors count as different.
 const DIFFERENT: f64 = 1.02;
-/// Error over the noise up to which nothing is left to gain: block means of noise vary by as much.
+/// Ratio of error to noise below which no improvement is possible: block means of noise vary by as much.
 const AT_THE_NOISE: f64 = 1.3;
 
-/// Channels in which the repaired model predicts the test runs worse than the refit or the black box, in sentences.
+/// Channels in which the refit or the black box predicts the test runs better than the repaired model, in sentences.
 pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> Vec<String> {
     let of = |role: Role, column: &str| errors.iter().find(|e| e.role == role && e.column == column);
     let mut notes = Vec::new();
@@ -63,7 +63,7 @@ pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> V
     notes
 }
 
-/// A number with three significant digits.
+/// A number rounded to three significant digits.
 pub fn digits(x: f64) -> String {
     let places = (2.0 - x.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     if x.is_finite() { format!("{x:.places$}") } else { "no number".to_string() }
@@ -108,7 +108,7 @@ mod tests {
         );
         let range = of(&[error(Role::Fit, 2.0, 0.5, 1.0), error(Role::Test, 4.0, 3.0, 1.0)]);
         assert!(range.contains("conditions that the fit runs do not contain"), "{range}");
-        // At the noise floor nothing is left to gain.
+        // At the noise floor no improvement is possible.
         assert_eq!(of(&[error(Role::Fit, 2.0, 0.1, 0.1), error(Role::Test, 0.12, 0.13, 0.1)]), "");
     }
 }

@@ -1,16 +1,16 @@
-//! Runs of one rig that disagree by more than the noise of the sensors: as a part of that noise.
+//! Disagreement between runs of one rig beyond the sensor noise, modelled as additional noise.
 //!
 //! y_k = y(t_k; p) + d_i(t_k) + e_k,   d_i ~ (0, tau^2) in run i, e_k ~ (0, sigma^2)                        (1)
 //! g = 1 + 2 sum_k rho_k,   n_eff = n / g                                                                 (2)
 //! tau^2 = RSS / n * n_eff / (n_eff - gamma) - sigma^2,   gamma = tr[N_c (N + L)^-1]                       (3)
 //! variance of a reading in the fit: sigma^2 + kappa^2 g tau^2                                            (4)
 //!
-//! d_i is what makes run i differ from what one model of all runs predicts: the seat of a sensor, the phase that carries the current, a
-//! path that the model lacks. It changes slowly, so that n readings of a run are worth n_eff of independent ones; rho_k are the
-//! correlations of the residual, about zero. (3) is the residual variance of an output with the number gamma of parameters that the output
-//! determines (N_c its information, N that of all outputs, L that of the priors). Few runs hardly say how large tau is: its scale kappa is
-//! the one whose fits predict left-out runs best, without parameters of these runs. kappa = 0, the plain fit, stays where it predicts
-//! left-out runs at least as well as the preset.
+//! d_i is the deviation of run i from one model of all runs, caused by the position of a sensor, the phase that carries the current, or
+//! a heat path missing in the model. It changes slowly, so n readings of a run are worth n_eff independent ones; rho_k are the
+//! autocorrelations of the residual about zero. (3) is the residual variance of an output that determines gamma parameters (N_c is its
+//! information, N that of all outputs, L that of the priors). A few runs determine tau poorly. Its scale kappa is therefore chosen by
+//! leave-one-file-out validation, with the left-out runs' own parameters at their priors. kappa = 0, the plain fit, is kept if it
+//! predicts left-out runs at least as well as the preset.
 //!
 //! score = sum_c ln max(MSE_c, sigma_c^2)   over all left-out readings                                     (5)
 //!
@@ -18,8 +18,8 @@
 //! the initial positive sequence; MacKay, Neural Computation 4 (1992) 415-447 (3); Stone, J. R. Stat. Soc. B 36 (1974) 111-147 (choice by
 //! prediction). (5) is the normal density at the best variance of each output.
 //!
-//! Runs also disagree where an effect acts in some of them. The search therefore starts from the plain fit as well, and the model that
-//! leaves less of the fit and the validation runs stays (`close_loop`).
+//! An effect that acts only in some runs also makes runs disagree. The search therefore also starts from the plain fit, and the model
+//! with the smaller misfit in the fit and validation runs is kept (`close_loop`).
 
 use crate::CalibrateError;
 use crate::fit::Fitted;
@@ -29,13 +29,13 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Times that (3) and the fit are repeated, and the change of the standard deviations at which they agree.
+/// Largest number of iterations of (3) and the fit, and the relative change of the standard deviations for convergence.
 const REPETITIONS: usize = 8;
 const AGREES: f64 = 0.05;
-/// Scales of (4) that are compared, beside 0.
+/// Scales of (4) that are compared, in addition to 0.
 const SCALES: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 
-/// What is left of one output over runs.
+/// Residual of one output over runs.
 struct Residual {
     squares: f64,
     count: f64,
@@ -43,21 +43,21 @@ struct Residual {
     memory: f64,
 }
 
-/// The noise and the fit with the disagreement between runs.
+/// Noise and fit including the disagreement between runs.
 pub struct Disagreement<'a> {
-    /// With that noise.
+    /// The setup with this noise.
     pub setup: Setup<'a>,
-    /// The fit with it.
+    /// The fit with this noise.
     pub fitted: Fitted,
-    /// Whether the model of the plain fit ends before the very runs that it was fitted to do: the measured motor did not.
+    /// Whether the plain fit's model stops at a validity limit during its own fit runs, although the measured motor did not.
     pub is_plain_refuted: bool,
 }
 
 impl<'a> Setup<'a> {
-    /// The disagreement between runs, where a plain fit predicts left-out runs worse than the preset; `None` where it does not.
+    /// The disagreement between runs, if a plain fit predicts left-out runs worse than the preset; otherwise `None`.
     ///
     /// # Errors
-    /// What the model says where the preset cannot be run.
+    /// The model's error if the preset cannot be simulated.
     pub fn between_runs(
         &self,
         plain: &Fitted,
@@ -69,7 +69,7 @@ impl<'a> Setup<'a> {
         let strict = self.strict();
         let preset = self.preset();
         let before = strict.score(&preset, runs)?;
-        // A plain fit that no left-out run can be predicted with is none.
+        // A plain fit without predictions of left-out runs has infinite error.
         let kept = strict.score_left_out(&plain.hypothesis, runs).unwrap_or(f64::INFINITY);
         if kept <= before || self.deadline().is_near() {
             return Ok(None);
@@ -95,14 +95,14 @@ impl<'a> Setup<'a> {
         Ok(Some(Disagreement { setup, fitted, is_plain_refuted }))
     }
 
-    /// The same with a model that ends at its limits of validity: the measured motor did not.
+    /// The setup with a model that stops at its validity limits, which the measured motor did not exceed.
     fn strict(&self) -> Self {
         let mut bench = (*self.bench).clone();
         bench.lenient = false;
         Setup { bench: Arc::new(bench), ..self.clone() }
     }
 
-    /// The same with the standard deviations (4) that disagreement adds to the outputs.
+    /// The setup with the additional standard deviations (4) of the outputs.
     fn with_between_runs(&self, added: &[f64]) -> Self {
         let mut other = self.clone();
         let inputs = self.experiment.inputs.len();
@@ -113,12 +113,12 @@ impl<'a> Setup<'a> {
         other
     }
 
-    /// The standard deviation that disagreement between these runs adds to each output, (4) with kappa = 1.
+    /// The standard deviation of each output due to disagreement between these runs, (4) with kappa = 1.
     fn estimated_between_runs(&self, runs: &[usize]) -> Result<Vec<f64>, CalibrateError> {
         let of = |fitted: &Fitted, own: &[f64]| -> Result<Vec<f64>, CalibrateError> {
             let informations = self.with_between_runs(own).informations(fitted, runs)?;
             let mut whole: DMatrix<f64> = informations.iter().sum();
-            // In units of the deviations of the priors.
+            // In units of the prior deviations.
             (0..self.declared.len())
                 .for_each(|k| whole[(k, k)] += f64::from(u8::from(!self.declared[k].is_free)));
             let inverse = whole.pseudo_inverse(1e-12).map_err(|e| CalibrateError(e.to_string()))?;
@@ -139,7 +139,7 @@ impl<'a> Setup<'a> {
                 })
                 .collect())
         };
-        // From the preset: what it leaves is the greatest disagreement.
+        // The iteration starts at the preset, whose residual gives the largest disagreement.
         let mut fitted = self.judged(self.preset(), runs)?;
         let mut added = of(&fitted, &self.unfitted(&fitted, runs))?;
         for _ in 0..REPETITIONS {
@@ -154,7 +154,7 @@ impl<'a> Setup<'a> {
         Ok(added)
     }
 
-    /// The same without parameters that were fitted.
+    /// The additional deviations without fitted parameters.
     fn unfitted(&self, fitted: &Fitted, runs: &[usize]) -> Vec<f64> {
         let left = self.residuals(fitted, runs);
         left.iter()
@@ -162,7 +162,7 @@ impl<'a> Setup<'a> {
             .collect()
     }
 
-    /// What a model leaves of each output.
+    /// Residual of each output of a model.
     fn residuals(&self, fitted: &Fitted, runs: &[usize]) -> Vec<Residual> {
         let m = self.outputs();
         let mut series: Vec<Vec<Vec<f64>>> = vec![Vec::new(); m];
@@ -177,7 +177,7 @@ impl<'a> Setup<'a> {
         series.iter().map(|runs| residual(runs)).collect()
     }
 
-    /// The files of runs, each with its runs.
+    /// Groups runs by file.
     fn files_of(&self, runs: &[usize]) -> Vec<Vec<usize>> {
         let mut files: Vec<Vec<usize>> = Vec::new();
         for run in runs {
@@ -190,7 +190,7 @@ impl<'a> Setup<'a> {
         files
     }
 
-    /// Eq. (5) of fits from which one file at a time is left out; of the fit itself where there is one file.
+    /// Eq. (5) of leave-one-file-out fits; of the fit itself if there is only one file.
     fn score_left_out(&self, start: &Hypothesis, runs: &[usize]) -> Result<f64, CalibrateError> {
         let files = self.files_of(runs);
         if files.len() < 2 {
@@ -205,7 +205,7 @@ impl<'a> Setup<'a> {
         Ok(self.score_of(&parts))
     }
 
-    /// Eq. (5) of a model as it is, every run without unknowns of its own.
+    /// Eq. (5) of a model, with the parameters of single runs at their priors.
     fn score(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<f64, CalibrateError> {
         Ok(self.score_of(&[self.squares(runs, &self.show(hypothesis, runs)?)]))
     }
@@ -220,7 +220,7 @@ impl<'a> Setup<'a> {
         if score.is_nan() { f64::INFINITY } else { score }
     }
 
-    /// A hypothesis with the unknowns of single runs among these as they are expected.
+    /// A hypothesis with the parameters of these single runs at their prior means.
     fn without_unknowns_of(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Hypothesis {
         let mut other = hypothesis.clone();
         for (value, d) in other.declared.iter_mut().zip(&self.declared) {
@@ -232,7 +232,7 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// Sum, number and memory of the residuals of an output, run by run.
+/// Sum of squares, number of readings and autocorrelation factor g of an output's residuals, over all runs.
 fn residual(runs: &[Vec<f64>]) -> Residual {
     let product = |lag: usize| -> f64 {
         runs.iter().flat_map(|r| r.iter().zip(r.iter().skip(lag))).map(|(a, b)| a * b).sum()
@@ -242,7 +242,7 @@ fn residual(runs: &[Vec<f64>]) -> Residual {
     let squares = product(0);
     let mut memory = 1.0;
     let mut lag = 1;
-    // Pairs of correlations of a reversible chain are positive; the first that is not is noise.
+    // Sums of adjacent autocorrelations of a reversible chain are positive; the first sum that is not positive is noise.
     while squares > 0.0 && lag + 1 < longest {
         let pair = (product(lag) + product(lag + 1)) / squares;
         if pair <= 0.0 {
@@ -263,7 +263,7 @@ mod tests {
     use crate::experiment::{Experiment, Role};
     use crate::testing;
 
-    /// White noise has no memory; an AR(1) process of coefficient a has (1 + a) / (1 - a); an offset is one reading.
+    /// g is 1 for white noise and (1 + a) / (1 - a) for an AR(1) process with coefficient a; a constant offset is one reading.
     #[test]
     fn memory_of_noise_of_a_process_and_of_an_offset() {
         let mut rng = testing::rng(3);
@@ -284,7 +284,7 @@ mod tests {
         let slow = residual(&process(0.8));
         assert!((slow.memory / 9.0 - 1.0).abs() < 0.2, "{}", slow.memory);
         let offset = residual(&[vec![0.5; 100], vec![-0.5; 100]]);
-        // The sum of correlations over all lags of n readings: n^2, half of them twice, over n.
+        // Sum of the autocorrelations of n readings over all lags: n^2, half of them twice, divided by n.
         assert!((offset.memory / 100.0 - 1.0).abs() < 1e-3, "{}", offset.memory);
         assert_eq!(residual(&[vec![], vec![]]).squares, 0.0);
     }
@@ -292,8 +292,8 @@ mod tests {
     const PRIORS: &str = "\"thermal.C_w\" = 1.0\n\"thermal.C_h\" = 1.0\n\"thermal.R_wh\" = 1.0\n\
                           \"conductance.G_still\" = 1.0";
 
-    /// Three fit runs and a test run of the preset's own motor, each with the seat of its winding sensor as an unknown. The indicated
-    /// rise of the winding is off by the fraction `off[k]`, which grows over the run, that of the housing by the opposite.
+    /// Three fit runs and a test run of the preset's own motor, each with the position of its winding sensor as an unknown. The
+    /// indicated rise of the winding deviates by the fraction `off[k]`, which grows over the run; that of the housing by the opposite.
     fn runs(off: [f64; 3]) -> Experiment {
         use crate::experiment::{Deviation, Prior};
         let mut experiment = testing::experiment(PRIORS, true);
@@ -329,7 +329,7 @@ mod tests {
         setup.rmse(&[3], &setup.show(&fitted.hypothesis, &[3]).unwrap())[2]
     }
 
-    /// Where all runs are of one motor, the fit is the plain one.
+    /// If all runs are of one motor, the result is the plain fit.
     #[test]
     fn runs_that_agree_are_fitted_as_they_are() {
         let experiment = runs([0.0; 3]);
@@ -339,8 +339,8 @@ mod tests {
         assert_eq!(setup.sensor_noise(2), setup.sigma(2));
     }
 
-    /// Sensors that are off by another part of the rise in each run: the plain fit explains them by the motor and the seats and predicts a
-    /// further run worse than the preset, which is right; with the disagreement as noise it does not.
+    /// Sensor errors that are a different fraction of the rise in each run. The plain fit compensates for them with motor parameters and
+    /// sensor positions and predicts a further run worse than the preset, which is correct; with the disagreement as noise it does not.
     #[test]
     fn runs_that_disagree_do_not_mislead_the_fit() {
         let experiment = runs([0.5, -0.4, -0.2]);
@@ -349,7 +349,7 @@ mod tests {
         let worse = tested(&setup, &plain);
         let found = setup.between_runs(&plain, &[0, 1, 2]).unwrap().unwrap();
         let better = tested(&found.setup, &found.fitted);
-        // It is a start of the search all the same: its model reaches the end of its own runs.
+        // The plain fit is still a valid start of the search: its model completes its own runs.
         assert!(!found.is_plain_refuted);
         assert!(found.setup.between[2] > 10.0 * setup.sigma(2), "{:?}", found.setup.between);
         assert!(better < 0.5 * worse, "{better} K instead of {worse} K");

@@ -1,5 +1,5 @@
-//! Initial temperatures of a run that starts at measured ones: the parameters `initial.*` of a model, so that an FMU can start
-//! in the same state.
+//! Initial temperatures of a run that starts at measured temperatures: the parameters `initial.*` of a model. An FMU can start in the
+//! same state.
 
 use physics::model::{Declaration, Slot};
 
@@ -14,14 +14,14 @@ pub enum Node {
     Magnets,
     /// Housing.
     Housing,
-    /// The box around the motor.
+    /// The enclosure of the motor.
     Box,
 }
 
 use Node::{Box, Housing, Magnets, Stator, Winding};
 
-/// The initial temperature of each node, and the nodes whose temperature it takes, the nearest first. The tube of an annulus is
-/// not among them: ambient and the air flow are nearer to it than the motor, and it starts at the ambient temperature.
+/// The initial temperature of each node, and the nodes that it can be taken from, nearest first. The tube of an annulus is not
+/// listed: it is closer to ambient and air flow than to the motor, and starts at ambient temperature.
 const NEAREST: [(&str, [Node; 5]); 6] = [
     ("initial.winding_temperature", [Winding, Stator, Housing, Magnets, Box]),
     ("initial.stator_temperature", [Stator, Housing, Winding, Magnets, Box]),
@@ -31,12 +31,12 @@ const NEAREST: [(&str, [Node; 5]); 6] = [
     ("initial.gear_temperature", [Housing, Stator, Magnets, Winding, Box]),
 ];
 
-/// The initial temperatures of a model whose temperature is known at these nodes, K; none where none is known. A node that is not
-/// known takes the temperature of the nearest that is.
+/// The initial temperatures of a model given the temperatures of these nodes, K; empty if none is given. A node without a
+/// temperature takes that of the nearest node with one.
 pub fn temperatures(declaration: &Declaration, known: &[(Node, f64)]) -> Vec<(Slot, f64)> {
     let of = |node: &Node| known.iter().find(|(n, _)| n == node).map(|(_, value)| *value);
     let parameters = NEAREST.iter().filter_map(|(name, order)| Some((declaration.by_name(name)?, order)));
-    // 0 K would stand for the ambient temperature.
+    // 0 K is reserved as "ambient temperature".
     let inside = |value: f64, entry: &physics::model::Entry| value.clamp(f64::MIN_POSITIVE, entry.row.max);
     parameters
         .filter_map(|(entry, order)| Some((entry.slot, inside(order.iter().find_map(of)?, entry))))

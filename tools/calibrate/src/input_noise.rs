@@ -1,4 +1,4 @@
-//! What the noise of the inputs does to a model: it hears them, and some of what they say it needs_memory.
+//! Propagation of input noise to the outputs of a model, and inputs whose noise causes autocorrelated output noise.
 
 use crate::CalibrateError;
 use crate::fit::{Fitted, Slopes};
@@ -7,14 +7,15 @@ use crate::setup::Setup;
 use crate::tangent::Probe;
 use std::sync::Arc;
 
-/// Noise that is remembered counts from this share of an output's own on.
+/// Autocorrelated noise counts from this fraction of the output's own noise on.
 const REMEMBERED: f64 = 0.1;
 
 impl Setup<'_> {
-    /// Adds to the noise of each output what the noise of the inputs does to it within a row, finds the inputs whose
-    /// noise is remembered, and where the drivers stand.
+    /// Adds the noise that inputs cause within a row to the noise of each output, finds the inputs whose noise is autocorrelated at an
+    /// output, and stores the drivers along the runs.
     ///
     /// # Errors
+    /// The model's error if it cannot be simulated.
     /// What the model says where it cannot be run.
     pub fn include_input_noise(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
@@ -33,16 +34,16 @@ impl Setup<'_> {
         Ok(())
     }
 
-    /// Mean variance of each output that white noise on the inputs makes over linearised runs ([`input_sensitivities`](Setup::input_sensitivities)): at once,
-    /// and in all.
+    /// Mean variance of each output due to white input noise over linearised runs
+    /// ([`input_sensitivities`](Setup::input_sensitivities)): within a row, and in total.
     pub fn input_noise(&self, slopes: &Slopes) -> (Vec<f64>, Vec<f64>) {
         self.variances(slopes, |_| true)
     }
 
-    /// A hypothesis linearised along runs, with what each input does.
+    /// A hypothesis linearised along runs, with the sensitivity to each input.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The model's error if it cannot be simulated.
     pub fn input_sensitivities(
         &self,
         hypothesis: &Hypothesis,
@@ -52,7 +53,7 @@ impl Setup<'_> {
         Slopes::new(self, hypothesis, runs, &probes)
     }
 
-    /// The same of those inputs that `heard` says, along runs that are linearised.
+    /// These variances for the inputs that `heard` selects.
     fn variances(&self, slopes: &Slopes, heard: impl Fn(usize) -> bool) -> (Vec<f64>, Vec<f64>) {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
         let (mut direct, mut whole, mut rows) = (vec![0.0; m], vec![0.0; m], 0.0);

@@ -1,25 +1,25 @@
-//! A linear difference equation with functions of the inputs, simulated.
+//! Linear difference equation with functions of the inputs (ARX), used in simulation.
 //!
 //! y_k = sum_{j=1..n} a_j y_{k-j} + sum_{j=0..n} sum_f b_{jf} f(u_{k-j}) + c                        (1)
 //!
-//! over means of cells of equal length. y is a temperature above ambient, or any other output; the functions f are each input, its size,
-//! its square and the products of two inputs. a, b and c minimise the error of one step (1) over the fit runs; the prediction is the
-//! simulation of (1) from the first cell.
+//! The data are block means over blocks of equal length. y is a temperature rise above ambient or any other output. The functions f
+//! are each input, its absolute value, its square and the products of two inputs. a, b and c minimise the one-step error of (1)
+//! over the fit runs; the prediction is the simulation of (1) from the first block.
 
 use super::{Candidate, Series};
 use crate::deadline::Deadline;
 use crate::experiment::Role;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Orders n, and lengths of cells in rows.
+/// Orders n, and block lengths in rows.
 const ORDERS: [usize; 4] = [0, 1, 2, 3];
 const CELLS: [usize; 4] = [1, 5, 20, 80];
-/// Fewest cells of a run.
+/// Smallest number of blocks in a run.
 const FEWEST: usize = 12;
-/// Eigenvalues below this fraction of the greatest count as zero: functions that the data cannot distinguish.
+/// Eigenvalues below this fraction of the largest are treated as zero: the data cannot distinguish these functions.
 const SINGULAR: f64 = 1e-11;
 
-/// The equations of every order and length of cells.
+/// The equations of every order and block length.
 pub fn candidates(
     all: &[Series],
     output: usize,
@@ -37,12 +37,12 @@ pub fn candidates(
     found
 }
 
-/// A run in cells.
+/// Block means of a run.
 struct Cells {
     time: Vec<f64>,
-    /// Functions of the inputs, cell by cell.
+    /// Functions of the inputs, block by block.
     functions: Vec<Vec<f64>>,
-    /// The output, above ambient where it is a temperature; NaN where not measured or not counted.
+    /// The output, a rise above ambient for temperatures; NaN if not measured or not evaluated.
     output: Vec<f64>,
     first: f64,
 }
@@ -78,7 +78,7 @@ fn candidate(
     if count <= p {
         return None;
     }
-    // Each regressor by its own size, so that one limit counts for all.
+    // Each regressor is scaled by its norm, so that one eigenvalue limit fits all.
     let size = DVector::from_fn(p, |k, _| normal[(k, k)].sqrt().max(f64::MIN_POSITIVE));
     let scaled = DMatrix::from_fn(p, p, |a, b| normal[(a, b)] / (size[a] * size[b]));
     let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
@@ -131,7 +131,7 @@ fn cut(run: &Series, output: usize, is_temperature: bool, order: usize, length: 
         Some(row) if run.is_warm || !is_temperature => reading(row),
         _ => 0.0,
     };
-    // The rows themselves, where nothing is remembered.
+    // Order 0 has no memory and is evaluated at the rows themselves.
     if order == 0 {
         let kept = |row: usize| if run.counts[row] { reading(row) } else { f64::NAN };
         return Cells {
@@ -156,7 +156,7 @@ fn cut(run: &Series, output: usize, is_temperature: bool, order: usize, length: 
         while row < rows && run.time[row] < end {
             row += 1;
         }
-        // A gap between rows holds the inputs of the row before it.
+        // In a gap between rows, the inputs of the previous row are held.
         let inside = if row > begin { begin..row } else { begin.max(1) - 1..begin.max(1) };
         let mut sum = vec![0.0; own(0).len()];
         for r in inside.clone() {
@@ -170,7 +170,7 @@ fn cut(run: &Series, output: usize, is_temperature: bool, order: usize, length: 
     found
 }
 
-/// A line between points, constant beyond its ends.
+/// Linear interpolation, constant outside the points.
 fn between(x: &[f64], y: &[f64], at: f64) -> f64 {
     let k = x.partition_point(|v| *v <= at);
     if k == 0 {
@@ -187,7 +187,7 @@ fn between(x: &[f64], y: &[f64], at: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// y_k = 0.9 y_{k-1} + 0.5 u_k + 0.2 u_{k-1}, with an input that switches; `noise` on the readings.
+    /// y_k = 0.9 y_{k-1} + 0.5 u_k + 0.2 u_{k-1}, with a switching input; `noise` is added to the readings.
     fn run(role: Role, seed: u64, noise: f64) -> Series {
         let mut rng = crate::testing::rng(seed);
         let inputs: Vec<f64> =
@@ -209,7 +209,7 @@ mod tests {
         let scored = candidates.iter().map(|c| (super::super::score(&all, 0, c).unwrap(), c));
         let (_, best) = scored.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
         let (error, count) = super::super::rmse(&all, 0, best, Role::Test).unwrap();
-        // The output moves by 7; a static function of the input is off by 1 and more.
+        // The output varies by 7; a static function of the input has an error of at least 1.
         assert!(error < 0.1 && count == 800, "{}: {error}", best.kind);
         let (worst, _) = super::super::rmse(&all, 0, &candidates[0], Role::Test).unwrap();
         assert!(candidates[0].kind.starts_with("static") && worst > 0.5, "{worst}");

@@ -1,12 +1,12 @@
-//! Two thermal nodes whose parameters are all free.
+//! Network of two thermal nodes with all parameters free.
 //!
 //! C_1 T_1' = q_1 - (T_1 - T_2) / R
 //! C_2 T_2' = q_2 + (T_1 - T_2) / R - (g_0 + sum_k g_k |u_k|) (T_2 - T_a)                             (1)
 //! q_1 = sum_k a_k u_k^2 [1 + alpha (T_1 - T_0)] + b_k |u_k|,   q_2 = sum_k c_k u_k^2 + d_k |u_k|         (2)
 //!
-//! u are the inputs over their greatest size; the factor of the temperature in (2) holds for a current, alpha that of copper. A sensor
-//! between the nodes indicates w T_1 + (1 - w) T_2. All parameters are positive and are found by their logarithms. Steps by the
-//! trapezoidal rule, which is stable for any row.
+//! u are the inputs divided by their largest magnitude. The temperature factor in (2) applies to currents only; alpha is that of copper.
+//! A sensor between the nodes indicates w T_1 + (1 - w) T_2. All parameters are positive and are estimated as logarithms.
+//! Time steps use the trapezoidal rule, which is stable for any row spacing.
 
 use super::{Candidate, Series};
 use crate::CalibrateError;
@@ -21,11 +21,11 @@ use rayon::prelude::*;
 /// Temperature coefficient of copper, 1/K, at T_0, K.
 const ALPHA: f64 = 0.0039;
 const T_0: f64 = 298.15;
-/// Deviation of the logarithms from their starts by 1, in units of the error: holds what the data do not determine.
+/// Residual of a logarithm that deviates from its start by 1, in units of the error: regularizes what the data do not determine.
 const HELD: f64 = 1e-3;
-/// Farthest that a logarithm may move.
+/// Largest deviation of a logarithm from its start.
 const FAR: f64 = 9.0;
-/// Time constants of the second node from which the fit starts, s, and ratios of the capacities.
+/// Starts of the fit: time constants of the second node, s, and ratios of the heat capacities.
 const STARTS: [(f64, f64); 4] = [(300.0, 0.05), (1000.0, 0.05), (3000.0, 0.05), (1000.0, 0.3)];
 const OPTIONS: Options = Options {
     damping: 1e-2,
@@ -36,10 +36,10 @@ const OPTIONS: Options = Options {
     step: 1e-6,
     gradient: 1e-6,
 };
-/// The same for each start; the best goes on.
+/// Options of the fit from each start; the fit continues from the best one.
 const FIRST: Options = Options { linearisations: 5, ..OPTIONS };
 
-/// The network that explains all measured temperatures of the motor best, for each output; `None` for what is no temperature.
+/// The network that best fits all measured temperatures of the motor, for each output; `None` for outputs that are no temperatures.
 pub fn candidates(experiment: &Experiment, all: &[Series], deadline: &Deadline) -> Vec<Option<Candidate>> {
     let outputs: Vec<usize> = (0..experiment.outputs.len())
         .filter(|k| experiment.outputs[*k].node().is_some())
@@ -73,7 +73,7 @@ pub fn candidates(experiment: &Experiment, all: &[Series], deadline: &Deadline) 
 struct Fit<'a> {
     all: &'a [Series],
     outputs: Vec<usize>,
-    /// What each output indicates: the first node, the second, or what lies between (index of its parameter).
+    /// Position of each sensor: first node, second node, or between them (index of the weight).
     places: Vec<Place>,
     /// Standard deviation of each output over the fit runs.
     sizes: Vec<f64>,
@@ -89,7 +89,7 @@ enum Place {
     Between(usize),
 }
 
-/// Parameters before those of the inputs: C_1, C_2, R, g_0; and of each input: a, b, c, d, g.
+/// Number of common parameters C_1, C_2, R, g_0, which precede a, b, c, d, g of each input.
 const COMMON: usize = 4;
 const OWN: usize = 5;
 
@@ -133,14 +133,14 @@ impl<'a> Fit<'a> {
         (!outputs.is_empty()).then_some(Fit { all, outputs, places, sizes, is_current: used, deadline })
     }
 
-    /// Logarithms to start from: heats that lead to the mean rise that was measured.
+    /// Initial logarithms: losses scaled to the measured mean temperature rise.
     fn start(&self, (tau, ratio): (f64, f64)) -> DVector<f64> {
         let inputs = self.is_current.len();
         let weights = self.places.iter().filter(|p| matches!(p, Place::Between(_))).count();
         let rise = self.sizes.iter().fold(0.0, |a: f64, b| a.max(*b));
         let heat = (rise / (4.0 * inputs.max(1) as f64)).ln();
         let mut x = DVector::from_element(COMMON + OWN * inputs + weights, 0.0);
-        // The scale of the powers is free: g_0 starts at 1 W/K.
+        // A common scale of the powers is not identifiable: g_0 starts at 1 W/K.
         (x[0], x[1], x[2]) = ((ratio * tau).ln(), tau.ln(), 0.2f64.ln());
         for k in 0..inputs {
             for j in 0..4 {
@@ -154,7 +154,7 @@ impl<'a> Fit<'a> {
     /// The outputs of a run at its rows.
     fn simulated(&self, run: &Series, x: &DVector<f64>) -> Vec<Vec<f64>> {
         let e: Vec<f64> = x.iter().map(|v| v.exp()).collect();
-        // A weight between 0 and 1.
+        // A logistic weight between 0 and 1.
         let weight = |k: usize| e[k] / (1.0 + e[k]);
         let indicated = |place: &Place, t: [f64; 2]| match place {
             Place::First => t[0],
@@ -164,7 +164,7 @@ impl<'a> Fit<'a> {
         let rows = run.time.len();
         let mut shown = vec![Vec::with_capacity(rows); self.outputs.len()];
         let mut t = self.first(run);
-        // Rates of (1) as A T + b, by row.
+        // Right-hand side of (1) as A T + b, by row.
         let system = |row: usize| {
             let (mut q1, mut slope, mut q2, mut g) = (0.0, 0.0, 0.0, e[3]);
             for (k, input) in run.inputs.iter().enumerate() {
@@ -207,7 +207,7 @@ impl<'a> Fit<'a> {
         shown
     }
 
-    /// Both nodes at the start of a run.
+    /// Temperatures of both nodes at the start of a run.
     fn first(&self, run: &Series) -> [f64; 2] {
         let mut t = [run.ambient[0]; 2];
         if run.is_warm {
@@ -223,7 +223,7 @@ impl<'a> Fit<'a> {
         t
     }
 
-    /// Residuals over the counted rows of the fit runs, each output over its size and the root of its number of readings.
+    /// Residuals over the evaluated rows of the fit runs, divided by the output's deviation and the root of its number of readings.
     fn residuals(&self, x: &DVector<f64>) -> Vec<f64> {
         let mut all = Vec::new();
         let mut counts = vec![0usize; self.outputs.len()];
@@ -247,7 +247,7 @@ impl<'a> Fit<'a> {
     }
 }
 
-/// The fit with its logarithms held near their start.
+/// The fit with its logarithms regularized towards their start.
 struct Held<'a> {
     fit: &'a Fit<'a>,
     start: DVector<f64>,
@@ -313,8 +313,8 @@ mod tests {
     use crate::setup::Setup;
     use crate::testing;
 
-    /// A run that a motor of two nodes makes is followed by the network to some hundredths of a kelvin, where its ambient
-    /// temperature stands still as where it moves.
+    /// The network reproduces a run of a two-node motor to some hundredths of a kelvin, at constant and at varying ambient
+    /// temperature.
     #[test]
     fn two_nodes_follow_two_nodes() {
         let mut experiment = testing::experiment("\"thermal.C_w\" = 0.1", true);
@@ -333,7 +333,7 @@ mod tests {
             assert!(error < 0.15, "{column}: {error}");
             assert!(of(column).errors.iter().all(|(_, e)| *e <= 0.15), "{:?}", of(column));
         }
-        // A voltage is a function of current, speed and temperature: a static one comes near.
+        // A voltage is a function of current, speed and temperature, so a static model has a small error.
         assert!(of("voltage_V").errors[0].1 < 0.3, "{:?}", of("voltage_V"));
     }
 }

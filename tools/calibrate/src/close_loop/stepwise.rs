@@ -1,4 +1,4 @@
-//! What is looked for, round by round, and looked at again.
+//! Stepwise selection: forward rounds, and re-estimation of earlier additions.
 
 use super::{SAID, Search};
 use crate::CalibrateError;
@@ -9,18 +9,18 @@ use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, sea
 use crate::selection::{Candidate, LEAST, NEAR, Round, compete, predicts_where_it_acts};
 use physics::terms::MOST_TERMS;
 
-/// Times that all that was found is looked at again, while it changes.
+/// Largest number of passes over all additions; a pass without a change is the last.
 const PASSES: usize = 2;
-/// Who explains less than this share of what the first does is far behind.
+/// A candidate is clearly behind if it explains less than this fraction of what the first explains.
 const AHEAD: f64 = 0.9;
 
 impl<'a> Search<'a> {
-    /// What was scored last.
+    /// Candidates scored last.
     pub(super) fn left(&self) -> &[Scored] {
         self.scored.last().map_or(&[], Vec::as_slice)
     }
 
-    /// Adds the best of what passes, round by round, until nothing does or there is no more room.
+    /// Adds the best accepted candidate, round by round, until none is accepted or the limit of additions is reached.
     pub(super) fn rounds(&mut self, progress: &dyn Fn(f64, &str)) {
         while self.rounds.len() < MOST_TERMS {
             if self.setup.deadline().is_near() || self.left().first().is_none_or(|s| s.sure() <= LEAST) {
@@ -39,7 +39,7 @@ impl<'a> Search<'a> {
             }
             let found = self.point().fitted.hypothesis.additions.last().map_or("", |a| &a.id).to_string();
             progress(0.3 + 0.1 * self.rounds.len() as f64, &format!("{found}; is there more?"));
-            // What was tried together with another has been looked at.
+            // A round tried jointly with another one is already scored.
             if self.scored.len() > self.rounds.len() {
                 continue;
             }
@@ -54,16 +54,16 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What the model as it stands may lack.
+    /// Scores the candidate additions to the current model.
     fn look_on(&self) -> Result<Vec<Scored>, CalibrateError> {
         Ok(search(&Linearization::new(self.setup, self.point().fitted.clone(), &self.first.runs)?))
     }
 
-    /// A candidate that explains a lot and predicts worse, together with what else there is. It is taken where both predict better, and
-    /// where nothing else shows in what was fitted but the outputs that it explains are predicted better: then the others meet something
-    /// new. Whether it was taken.
+    /// Tests a candidate with high evidence and a worse validation error jointly with a second addition. It is accepted if both
+    /// together reduce the validation error. It is also accepted if no residual remains in the fit runs and the outputs that it acts on
+    /// are predicted better: the other outputs then contain an unmodelled effect. Returns whether it was accepted.
     fn together(&mut self, round: Round<'a>, k: usize) -> bool {
-        // One that cannot be looked at has not proved itself.
+        // A candidate that cannot be linearised is refused.
         let Ok(point) =
             Linearization::new(self.setup, round.candidates[k].point.fitted.clone(), &self.first.runs)
         else {
@@ -91,8 +91,8 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Where a force that knows its past explains more of the naive fit's residual than the present does, and what was taken does not come
-    /// near it or leaves much of it: that stood in for it. Whether it is so.
+    /// Selects a memory term if it explains more of the naive fit's residual than laws of present values do, and the accepted additions
+    /// explain clearly less or leave a large residual: they were substitutes for it. Returns whether it was selected.
     pub(super) fn remember(&mut self) -> bool {
         let rest = self.left().first().is_some_and(|s| s.follows == Follows::History && s.sure() > SAID);
         if !needs_memory(&self.scored[0]) || !(rest || self.history().is_some()) {
@@ -100,7 +100,7 @@ impl<'a> Search<'a> {
         }
         let Some(known) = best_memory_term(&self.scored[0]) else { return false };
         self.remembered = Some(latent_input_at(&self.scored[0], known.port).unwrap_or(known).clone());
-        // A law that predicts better stays, whatever remains unexplained beside it.
+        // A law with a better validation error is kept even if a residual remains.
         if !self.has_law() {
             for (k, round) in self.rounds.drain(..).enumerate() {
                 let round = round.without_taken("stood in for what knows its past, and leaves much of it");
@@ -110,11 +110,10 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Looks at each addition once more, from the others and the numbers that were found with it: there the slopes are those
-    /// of the right neighbourhood, where the naive fit may have been far astray, and a first choice that had to stand for
-    /// two effects gives way.
+    /// Selects each addition again, given the other additions and the current parameters. The linearization there is accurate, while the
+    /// naive fit may have been far off. A first choice that was a substitute for two effects is replaced.
     pub(super) fn search_again(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
-        // A round that took nothing is the last.
+        // Rounds without an accepted candidate are removed.
         let taken = self.rounds.iter().filter(|r| r.taken.is_some()).count();
         for (k, round) in self.rounds.drain(taken..).enumerate() {
             self.refused.extend(round.candidate_table(taken + k + 1));
@@ -127,7 +126,7 @@ impl<'a> Search<'a> {
         {
             return Ok(());
         }
-        // What may well be a force that knows its past is not turned over and over.
+        // A probable memory term gets one pass only.
         let passes = if self.history().is_some() { 1 } else { PASSES };
         for pass in 0..passes {
             let mut changed = false;
@@ -139,7 +138,7 @@ impl<'a> Search<'a> {
                 progress(0.6 + 0.2 * share, "looking again");
                 changed |= self.look_at_the_first_again()?;
             }
-            // Beside another effect, each may be another.
+            // A change of one addition can change the best choice of the others.
             if !changed || self.rounds.len() < 2 {
                 break;
             }
@@ -147,8 +146,8 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Looks at the first addition once more, beside all others; it comes last, or what is better does, or none. Whether it is no
-    /// longer what it was.
+    /// Selects the first addition again, given all others. It moves to the end, or is replaced by a better candidate, or is removed.
+    /// Returns whether it changed.
     fn look_at_the_first_again(&mut self) -> Result<bool, CalibrateError> {
         let runs = self.first.runs.clone();
         let mut others = self.point().fitted.hypothesis.clone();
@@ -161,7 +160,7 @@ impl<'a> Search<'a> {
         let without = Linearization::judged(self.setup, refit, &runs)?;
         let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
         let whole = self.rounds.last().map_or(f64::INFINITY, cost);
-        // What the others explain without it was a first choice that had to stand for them.
+        // If the others explain the residual without it, the first choice was a substitute for them.
         if self.rounds.len() > 1 && without.evidence.cost().0 < whole + LEAST {
             self.rounds.remove(0);
             if let Some(last) = self.rounds.pop() {
@@ -177,18 +176,18 @@ impl<'a> Search<'a> {
             self.rounds.push(round);
             return Ok(!same);
         }
-        // It stays, last of all.
+        // The addition is kept, in last position.
         let mut kept = others;
         kept.additions.push(own);
         let point = Linearization::judged(self.setup, self.setup.judged(kept, &runs)?, &runs)?;
-        // Only now: where time ends before, the rounds stay those of the model.
+        // Removed only here: if the deadline passes earlier, the rounds still match the model.
         let old = self.rounds.remove(0);
         self.rounds.push(old.with_point(point));
         Ok(false)
     }
 
-    /// Two effects of the list at one port and over one driver may stand in for one law between them: where a power explains as
-    /// much, it is the simpler story.
+    /// Two listed effects at one port with the same driver may be substitutes for a single law: a power law that explains as much has
+    /// fewer parameters and is preferred.
     pub(super) fn one_law(&mut self) -> Result<(), CalibrateError> {
         let Some(point) = self.taken().map(|c| &c.point) else { return Ok(()) };
         let additions = &point.fitted.hypothesis.additions;
@@ -215,7 +214,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Whether what was taken first is far ahead of all that act elsewhere.
+    /// Whether the first candidate clearly leads all candidates at other ports.
     fn clear(&self) -> bool {
         let Some((round, best)) = self.rounds.first().and_then(|r| Some((r, r.winner()?))) else {
             return false;
@@ -224,7 +223,7 @@ impl<'a> Search<'a> {
         elsewhere.map(Candidate::sure).fold(0.0, f64::max) < AHEAD * best.sure()
     }
 
-    /// Whether a parameter of the naive fit has gone so far that it stands in for something else.
+    /// Whether a parameter of the naive fit deviates so far from its prior that it compensates for another effect.
     fn astray(&self) -> bool {
         let declared = self.setup.declared.iter().zip(&self.first.fitted.hypothesis.declared);
         declared.into_iter().any(|(d, value)| d.astray(*value))
