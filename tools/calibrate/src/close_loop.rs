@@ -91,7 +91,7 @@ pub fn run(
     Ok(outcome)
 }
 
-/// Misfit of the fit and validation runs: -2 log of the normal density at the best variance of each output.
+/// Misfit in the fit and validation runs: sum of the log error variances of the outputs (normal density at the best variance).
 fn left(outcome: &Outcome) -> f64 {
     let mut squares: Vec<(&str, f64)> = Vec::new();
     for error in outcome.errors.iter().filter(|e| e.role != Role::Test && e.after.is_finite()) {

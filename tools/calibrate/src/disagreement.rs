@@ -95,7 +95,7 @@ impl<'a> Setup<'a> {
         Ok(Some(Disagreement { setup, fitted, is_plain_refuted }))
     }
 
-    /// The setup with a model that stops at its validity limits, which the measured motor did not exceed.
+    /// The setup with a model that stops at its validity limits. The measured motor did not stop, so a stop refutes the model.
     fn strict(&self) -> Self {
         let mut bench = (*self.bench).clone();
         bench.lenient = false;
@@ -154,7 +154,7 @@ impl<'a> Setup<'a> {
         Ok(added)
     }
 
-    /// The additional deviations without fitted parameters.
+    /// The root of g RSS / n for each output, without the correction for fitted parameters.
     fn unfitted(&self, fitted: &Fitted, runs: &[usize]) -> Vec<f64> {
         let left = self.residuals(fitted, runs);
         left.iter()

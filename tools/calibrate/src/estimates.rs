@@ -1,4 +1,4 @@
-//! What closing the loop has come to, put into the words and numbers of a report.
+//! Final estimates: results of the identification loop in the form of a report.
 
 use crate::CalibrateError;
 use crate::blackbox::black_boxes;
@@ -19,22 +19,22 @@ use nalgebra::DMatrix;
 use physics::terms::Port;
 use rayon::prelude::*;
 
-/// Rows of a run in plots, at most.
+/// Largest number of rows of a run in plots.
 const PLOTTED: usize = 600;
-/// Mean square of what is left, up to which the numbers take their last step.
+/// The final first-order correction of the parameters is applied below this mean square of the whitened residual.
 const TRUSTED: f64 = 1.3;
-/// Sum of squares of a model whose numbers allow for drift and input noise, over that of the fitted one, up to which it is taken.
+/// A model with parameters corrected for drift and input noise is accepted up to this ratio of its sum of squares to that of the fit.
 const NO_WORSE: f64 = 1.02;
-/// Of a normal distribution, 95 % lie within this many deviations, and 95 % below the second number of them.
+/// Normal distribution: two-sided 95 % quantile, and one-sided 95 % quantile, in standard deviations.
 const SURE: f64 = 1.96;
 const BELOW: f64 = 1.645;
-/// From this correlation on, two parameters count as hardly separated.
+/// Two parameters with at least this correlation are reported as hardly distinguishable.
 const CORRELATED: f64 = 0.9;
 
-/// The outcome; `first` is the naive fit, linearised.
+/// The outcome of a search; `first` is the naive fit, linearised.
 ///
 /// # Errors
-/// What the model says where it cannot be run.
+/// The model's error if it cannot be simulated.
 pub fn outcome(
     setup: &Setup,
     first: &Linearization,
@@ -51,20 +51,20 @@ pub fn outcome(
     naive.truncate(setup.declared.len());
     let (mut estimates_of, covariance) = estimates(setup, point, None, Some(&mut corrected));
     let exact = setup.exact();
-    // Where nothing was found nothing is repaired: the model stays the fit to the sensors as they read. Nor is one taken that errs more.
+    // Without a found effect, the model remains the fit to the indicated values. A correction that increases the error is rejected.
     let is_repaired = !matches!(judged.verdict, Verdict::Nothing | Verdict::Fitted);
     if is_repaired && is_no_worse(&exact, &corrected, &hypothesis)? {
         hypothesis = corrected;
     }
     if let Some((beside, port)) = &judged.beside {
         let (others, _) = estimates(setup, beside, Some(*port), None);
-        // How far the parameters are off if the law at this port is another one.
+        // Range of the parameters if the law at this port differs from the assumed one.
         for (estimate, other) in estimates_of.iter_mut().zip(others) {
             let ((a, b), (c, d)) = (estimate.ci95, other.ci95);
             *estimate = Estimate { value: estimate.value, ci95: (a.min(c), b.max(d)), ..other };
         }
     }
-    // The values are those of the exported model; what was estimated otherwise widens their intervals.
+    // Values are those of the exported model; intervals are extended to contain them.
     for (estimate, value) in estimates_of.iter_mut().zip(hypothesis.numbers()) {
         let (least, most) = estimate.ci95;
         (estimate.value, estimate.ci95) = (value, (least.min(value), most.max(value)));
@@ -93,7 +93,7 @@ pub fn outcome(
         }
         found.term = addition.term();
     }
-    // The unknowns of single runs stand behind those of all.
+    // Parameters of single runs follow those common to all runs.
     let common = setup.declared.iter().filter(|d| d.runs.is_none()).count();
     naive.truncate(common);
     let file = |d: &Declared| Some(experiment.runs[*d.runs.as_ref()?.first()?].file.clone());
@@ -120,7 +120,7 @@ pub fn outcome(
     let boxes = black_boxes(setup, &Deadline::after(judged.time_for_boxes));
     let mut errors = Vec::new();
     let mut half_widths = vec![Shown::new(); all.len()];
-    // The structure error of the fit runs, then of the validation runs, which are no part of the fit.
+    // The structure error of the fit runs, then that of the validation runs, which are not fitted.
     let mut structure = None;
     for role in ROLES {
         let runs = setup.runs(role);
@@ -146,7 +146,7 @@ pub fn outcome(
         let widths: Vec<&Shown> = runs.iter().map(|r| &half_widths[*r]).collect();
         let predictions = prediction::coverage(setup, &runs, &own, &widths);
         for (k, channel) in experiment.outputs.iter().enumerate().filter(|(k, _)| b[*k].is_finite()) {
-            // The noise of an output holds already what the inputs' noise does to it at once.
+            // The output noise already includes the input noise propagated within a row.
             let floor = (setup.sensor_noise(k).powi(2) + (whole[k] - direct[k]).max(0.0)).sqrt();
             let column = channel.column;
             let of_box =
@@ -187,7 +187,7 @@ pub fn outcome(
     let settings = all.iter().map(|run| setting(setup, &hypothesis, *run)).collect::<Result<Vec<_>, _>>()?;
     let exported =
         [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
-    // The exported model starts at the ambient temperature, wherever that run did.
+    // The exported model starts at ambient temperature, regardless of the run's initial state.
     let exported = exported.unwrap_or(0);
     let values = setup.bench.values(&setup.drives[exported], &setup.common_change(&hypothesis, exported));
     let export = Setting { values, ..settings[exported].clone() };
@@ -220,7 +220,7 @@ pub fn outcome(
     })
 }
 
-/// The disagreement between runs in one sentence, where it counts as noise.
+/// One sentence about the disagreement between runs, if it is counted as noise.
 fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
     let of_fit = errors.iter().filter(|e| e.role == Role::Fit && !setup.between.is_empty());
     let parts: Vec<String> = of_fit
@@ -239,8 +239,8 @@ fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
     })
 }
 
-/// Whether the simulated errors allow one hypothesis in place of another: those of all runs but the test runs increase hardly, or
-/// those of the validation runs do not, which neither of the two was fitted to.
+/// Whether one hypothesis may replace another according to simulated errors: the error of the fit and validation runs together hardly
+/// increases, or that of the validation runs, to which neither was fitted, hardly increases.
 fn is_no_worse(exact: &Setup, one: &Hypothesis, other: &Hypothesis) -> Result<bool, CalibrateError> {
     let [fit, validation] = [Role::Fit, Role::Validate].map(|role| exact.runs(role));
     let of = |hypothesis: &Hypothesis, runs: &[usize]| -> Result<f64, CalibrateError> {
@@ -253,8 +253,8 @@ fn is_no_worse(exact: &Setup, one: &Hypothesis, other: &Hypothesis) -> Result<bo
     Ok(of(one, &fit)? + validated.0 <= NO_WORSE * (of(other, &fit)? + validated.1))
 }
 
-/// Every number that slopes find, with its interval, and their covariance: beside drifting sensors, and beside a force at a port
-/// that is free in time. Where sensors drift, a `corrected` hypothesis takes the numbers that are best with that drift.
+/// Every parameter found by linearization, with its interval, and the covariance, estimated jointly with sensor drift and, where given,
+/// with a latent input at a port. A `corrected` hypothesis receives the parameters that are optimal with this drift.
 fn estimates(
     setup: &Setup,
     point: &Linearization,
@@ -265,14 +265,14 @@ fn estimates(
     let scales = setup.scales(hypothesis);
     let p = scales.len();
     let told = point.estimated(beside);
-    // The last step, along slopes that know nothing of the inputs' noise and beside drifting sensors; where much is left
-    // that they do not know of it would lead astray.
+    // Final first-order correction, with sensor drift and without input noise in the sensitivities. It is skipped if the residual is
+    // large, since an unmodelled effect would bias it.
     let steps = beside.is_some() || (corrected.is_some() && told.misfit < TRUSTED);
     let numbers = if steps { told.moved } else { hypothesis.numbers() };
     if let Some(corrected) = corrected {
         corrected.take(&numbers);
     }
-    // What is left beyond noise widens the intervals.
+    // A residual above the noise widens the intervals.
     let widen = told.misfit.max(1.0).sqrt();
     let covariance = told.covariance;
     let units = setup.declared.iter().map(|d| (d.name.clone(), d.prior, d.unit));
@@ -292,8 +292,8 @@ fn estimates(
     (all, covariance)
 }
 
-/// The 95 % interval of a number whose unconstrained optimum lies `way` off and whose normal interval has this half width: within the
-/// limits, and for one that stands at a limit by the profile likelihood, which to second order is a parabola about that optimum.
+/// The 95 % interval of a parameter with distance `way` to its unconstrained optimum and normal half width `half`, clipped to the limits.
+/// At a limit, the profile likelihood is used; to second order it is a parabola about the unconstrained optimum.
 /// *Source*: Venzon, Moolgavkar, Applied Statistics 37 (1988) 87-94.
 fn interval(number: f64, way: f64, half: f64, (least, most): (f64, f64)) -> (f64, f64) {
     let inwards = (way * way + half * half).sqrt() - way.abs();
@@ -305,7 +305,7 @@ fn interval(number: f64, way: f64, half: f64, (least, most): (f64, f64)) -> (f64
     ((number - below).max(least), (number + above).min(most))
 }
 
-/// The greatest change of each output by the last addition, in words.
+/// The largest change of each output due to the last addition, in words.
 pub fn magnitude(point: &Linearization) -> String {
     let parts = point.setup.experiment.outputs.iter().zip(point.reach()).filter(|(_, reach)| *reach > 0.0);
     let change = |(channel, reach): (&&Channel, f64)| {
@@ -326,14 +326,14 @@ fn limits(point: &Linearization) -> Vec<Limit> {
             return None;
         }
         let gain = point.evidence.gain(&point.listed_column(k, &everywhere)?)?;
-        // A size whose score falls short of the least one with a probability of 5 %.
+        // An effect of this size is missed with a probability of 5 %: its score is then below the threshold.
         let size = (least.sqrt() + BELOW) * gain.covariance[(0, 0)].sqrt();
         let number = &addition.numbers[0];
         Some(Limit { id: listed.id.to_string(), symbol: listed.symbols[0], size, unit: number.unit })
     });
     let mut all: Vec<Limit> = Vec::new();
     for limit in found {
-        // An effect of several settings shows by the one that is seen best.
+        // For an effect with several forms, the most sensitive one determines the limit.
         match all.iter_mut().find(|l| l.id == limit.id) {
             Some(known) => known.size = known.size.min(limit.size),
             None => all.push(limit),
@@ -426,7 +426,7 @@ mod tests {
 
     const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
-    /// The interval of a number at its limit ends where a parabola about the unconstrained optimum has risen by 1.96^2 deviations.
+    /// At a limit, the interval ends where the parabola about the unconstrained optimum has risen by 1.96^2 squared deviations.
     #[test]
     fn intervals_end_at_limits_and_follow_the_profile_there() {
         assert_eq!(interval(3.0, 0.0, 2.0, FREE), (1.0, 5.0));
@@ -434,7 +434,7 @@ mod tests {
         // Optimum at -1.5: from 0 to 1 the parabola rises from 1.5^2 to 2.5^2, by 2^2.
         assert_eq!(interval(0.0, -1.5, 2.0, (0.0, 9.0)), (0.0, 1.0));
         assert_eq!(interval(9.0, 1.5, 2.0, (0.0, 9.0)), (8.0, 9.0));
-        // An optimum at the limit itself: one half of the normal interval.
+        // Optimum at the limit itself: one half of the normal interval.
         assert_eq!(interval(0.0, 0.0, 2.0, (0.0, 9.0)), (0.0, 2.0));
     }
 }

@@ -1,84 +1,84 @@
-//! How much a further column would explain of a residual, beside all that parameters, drifting sensors and structure error can do.
+//! Evidence for a further column in the residual, given parameters, sensor drift and structure error (the null model).
 //!
 //! r = Z c + S s + e,   e ~ N(0, 1),   c ~ N(c0, L^-1)                                      (1)
 //! -2 log p(r) = min_c |r - Z c|^2 + (c - c0)' L (c - c0) + log |1 + K B'B|                 (2)
 //! gain of S   = (S'P r)' (S'P S)^-1 (S'P r),   P = 1 - Z (Z'Z + L)^-1 Z'                   (3)
 //! gain of S with s ~ N(0, q^2 K_s): (S'P r)' (S'P S + (q^2 K_s)^-1)^-1 (S'P r) - log |1 + q^2 K_s S'P S|   (4)
 //!
-//! r is a residual in units of its noise. Z holds the slopes over each declared parameter, in units of its prior's deviation,
-//! and B: what slowly drifting sensors would do, hat functions over the clock with covariance
-//! K = sd^2 exp(-|t - t'| / length), and the directions of the structure error (`search/structure.rs`) with covariance size^2. The
-//! three numbers are not known; every gain is the fall of (2) between the best three without S and the best with it. `raw` gains are
-//! those without drift and structure error. What explains a slow residual of millikelvins has to be better than a drifting sensor, and
-//! an effect has to explain more than structure error of the size that is seen.
+//! r is a residual in units of its noise. Z holds the sensitivities to each declared parameter, in units of its prior deviation, and B.
+//! B holds sensor drift, as hat functions over time with covariance K = sd^2 exp(-|t - t'| / length), and the directions of the
+//! structure error (`search/structure.rs`) with covariance size^2. The three hyperparameters sd, length and size are unknown: every
+//! gain is the decrease of (2) from its minimum over them without S to its minimum with S. `raw` gains are without drift and
+//! structure error. A column that explains a slow residual of millikelvins must therefore fit better than sensor drift, and an effect
+//! must explain more than structure error of the observed size.
 //! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 2.7 and 5.4; Kennedy, O'Hagan, J. R. Stat. Soc. B 63
 //! (2001) 425-464 (structure error).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Drifts that are tried: standard deviation over that of the noise, and time over which a drift forgets itself, s.
+/// Drifts that are compared: ratio of its standard deviation to that of the noise, and correlation time, s.
 const DRIFTS: [(f64, f64); 7] =
     [(0.0, 1.0), (0.1, 2e3), (0.1, 2e4), (0.3, 2e3), (0.3, 2e4), (1.0, 2e3), (1.0, 2e4)];
-/// Least size of structure error that is tried, in units of the noise of a block: it adds a hundredth to the residual's mean square.
+/// Smallest size of structure error that is compared, in units of the noise of a block: increases the residual's mean square by 0.01.
 pub const LEAST_SIZE: f64 = 0.1;
-/// Each size over the one before.
+/// Ratio of successive sizes.
 const APART: f64 = 3.0;
-/// Inverse variance of what is not there.
+/// Inverse prior variance of absent components.
 const ABSENT: f64 = 1e30;
-/// Sizes of a free shape that are tried: variance over the shape's own mean uncertainty.
+/// Prior sizes of a free shape that are compared: ratio of its variance to the mean estimation variance of the shape.
 const SIZES: [f64; 5] = [1.0, 3e1, 1e3, 3e4, 1e6];
 
-/// A residual with all that may explain it already.
+/// A residual with the columns of the null model.
 #[derive(Clone)]
 pub struct Evidence {
     r: DVector<f64>,
-    /// Parameters, drifting sensors, structure error.
+    /// Columns of parameters, sensor drift and structure error.
     z: DMatrix<f64>,
     apart: Vec<f64>,
-    /// Clock and sensor of each column of drift.
+    /// Time and sensor of each drift column.
     knots: Vec<(f64, usize)>,
-    /// What was compared: sizes and time scales of drift, sizes of the structure error.
+    /// Compared hyperparameters: drift sizes and correlation times, sizes of the structure error.
     states: Vec<State>,
 }
 
 #[derive(Clone)]
 struct State {
-    /// Of Z'Z + L.
+    /// Cholesky factor of Z'Z + L.
     factor: Cholesky<f64, Dyn>,
-    /// What is left of r, without what c0 asks for: r - Z (Z'Z + L)^-1 (Z'r + L c0).
+    /// Residual after the estimate of c: r - Z (Z'Z + L)^-1 (Z'r + L c0).
     left: DVector<f64>,
     /// Eq. (2).
     cost: f64,
     /// Z'r + L c0.
     rhs: DVector<f64>,
-    /// Of the drift: standard deviation over that of the noise, and length.
+    /// Drift: ratio of its standard deviation to that of the noise, and correlation time, s.
     drift: (f64, f64),
-    /// Of the structure error, in units of the noise.
+    /// Size of the structure error, in units of the noise.
     size: f64,
 }
 
-/// A gain, the numbers, and the factor of their inverse covariance.
+/// A gain, the estimated coefficients, and the Cholesky factor of their inverse covariance.
 type Explained = (f64, DVector<f64>, Cholesky<f64, Dyn>);
 
-/// What a column, or several, would explain.
+/// Evidence for one or several columns.
 #[derive(Clone, Debug)]
 pub struct Gain {
-    /// Fall of (2) without drift.
+    /// Decrease of (2) without drift and structure error.
     pub raw: f64,
-    /// Fall of (2) with the drift that suits best, before and after.
+    /// Decrease of (2) with the best hyperparameters before and after.
     pub whitened: f64,
-    /// The numbers s, by the drift that suits best after.
+    /// The coefficients s, with the best hyperparameters after.
     pub size: DVector<f64>,
     /// Their covariance.
     pub covariance: DMatrix<f64>,
-    /// That state, by its index.
+    /// Index of these hyperparameters.
     state: usize,
 }
 
 impl Evidence {
-    /// The problem of a residual: `slopes` over the parameters in units of their prior deviations, `apart` how far each
-    /// stands from its prior in the same unit (NaN where it has no prior), `drift` the columns of B for a drift as large as
-    /// the noise, and `knots` the clock and the sensor that each belongs to.
+    /// The null model of a residual. `slopes` are sensitivities to the parameters in units of their prior deviations, `apart` their
+    /// deviations from the prior in this unit (NaN without a prior), `drift` the columns of B for a drift with the deviation of the noise,
+    /// and `knots` the time and the sensor of each of them.
     pub fn new(
         r: DVector<f64>,
         slopes: &DMatrix<f64>,
@@ -95,14 +95,14 @@ impl Evidence {
         Some(Evidence { states, ..evidence })
     }
 
-    /// The same beside structure error, whose directions are `columns` for a size of 1.
+    /// The null model extended by structure error with the directions `columns` for a size of 1.
     pub fn with_structure(&self, columns: &DMatrix<f64>) -> Option<Evidence> {
         let mut other = Evidence { z: beside(&self.z, columns), states: Vec::new(), ..self.clone() };
         let sums = other.sums();
         let plain = self.states.iter().map(|s| other.state(&sums, s.drift, 0.0));
         let plain = plain.collect::<Option<Vec<_>>>()?;
         let drift = self.fitting().drift;
-        // From small to large while the cost falls, then the vertex of the parabola through the last three, over the logarithm.
+        // Increase the size while the cost decreases, then take the vertex of the parabola through the last three, over the logarithm.
         let mut sizes: Vec<State> = Vec::new();
         while columns.ncols() > 0 && !rises(&sizes) {
             let size = sizes.last().map_or(LEAST_SIZE, |s| APART * s.size);
@@ -118,7 +118,7 @@ impl Evidence {
             other.states = plain;
             return Some(other);
         }
-        // With it the sensors may drift otherwise.
+        // With structure error, another drift may be optimal.
         let size = sizes.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?.size;
         for own in plain.iter().filter(|s| s.drift != drift) {
             let next = other.state(&sums, own.drift, size)?;
@@ -126,7 +126,7 @@ impl Evidence {
                 sizes.push(next);
             }
         }
-        // Without drift, and without structure error: what more may explain beside them.
+        // Keep the states without structure error (no drift, best drift) as alternatives for the gains.
         other.states = plain
             .into_iter()
             .enumerate()
@@ -137,14 +137,14 @@ impl Evidence {
         Some(other)
     }
 
-    /// Forgets what was compared but what suits best and what knows neither drift nor structure error.
+    /// Keeps only the best state and the one without drift and structure error.
     pub fn settle(&mut self) {
         let best = self.fitting().cost;
         let mut first = true;
         self.states.retain(|s| std::mem::take(&mut first) || s.cost <= best);
     }
 
-    /// Gives back the memory of everything but the cost.
+    /// Releases all memory except the cost.
     pub fn release(&mut self) {
         self.settle();
         self.z = DMatrix::zeros(0, 0);
@@ -155,7 +155,7 @@ impl Evidence {
         (self.z.tr_mul(&self.z), self.z.tr_mul(&self.r))
     }
 
-    /// The problem with a drift and a size of the structure error.
+    /// The null model for given drift and size of the structure error.
     fn state(
         &self,
         (ztz, ztr): &(DMatrix<f64>, DVector<f64>),
@@ -173,7 +173,7 @@ impl Evidence {
                 toward[k] = -apart;
                 prior_cost += apart * apart;
             } else {
-                // So flat that it does not matter, so that what is not seen at all has a size.
+                // A negligible prior precision gives parameters without influence a finite variance.
                 l[(k, k)] = 1e-8;
             }
         }
@@ -210,12 +210,12 @@ impl Evidence {
         Some(State { factor, left, cost, rhs, drift, size })
     }
 
-    /// What suits best.
+    /// The state with the lowest cost.
     fn fitting(&self) -> &State {
         self.states.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap_or(&self.states[0])
     }
 
-    /// Size of the structure error that suits best, in units of the noise.
+    /// Best size of the structure error, in units of the noise.
     pub fn structure(&self) -> f64 {
         self.fitting().size
     }
@@ -225,14 +225,13 @@ impl Evidence {
         self.r.len()
     }
 
-    /// The drift that suits best without a further column: its standard deviation over that of the noise, and its
-    /// memory, s.
+    /// Best drift of the null model: ratio of its standard deviation to that of the noise, and correlation time, s.
     pub fn drift(&self) -> (f64, f64) {
         let best = self.fitting();
         best.drift
     }
 
-    /// Mean square of what is left with the drift that suits best, beside further columns with what they explain: 1 for noise.
+    /// Mean square of the residual with the best drift, after further columns if given; 1 for noise.
     pub fn misfit(&self, beside: Option<(&DMatrix<f64>, &Gain)>) -> f64 {
         let left = match beside {
             None => self.fitting().left.norm_squared(),
@@ -245,13 +244,13 @@ impl Evidence {
         left / self.r.len() as f64
     }
 
-    /// Eq. (2) of the drift that suits best, and without drift.
+    /// Eq. (2) with the best hyperparameters, and without drift and structure error.
     pub fn cost(&self) -> (f64, f64) {
         (self.fitting().cost, self.states[0].cost)
     }
 
-    /// The parameters' corrections to first order and their covariance, with the drift that suits best, in units of
-    /// their prior deviations; beside further columns with what they explain.
+    /// First-order corrections of the parameters and their covariance with the best drift, in units of their prior deviations; estimated
+    /// jointly with further columns if given.
     pub fn estimate(
         &self,
         parameters: usize,
@@ -269,10 +268,10 @@ impl Evidence {
         (c.rows(0, parameters).iter().copied().collect(), view)
     }
 
-    /// Eq. (3). `None` where the columns are seen by nothing but what is there already.
+    /// Eq. (3). `None` if the columns are collinear with those of the null model.
     pub fn gain(&self, s: &DMatrix<f64>) -> Option<Gain> {
         self.best(s, |power, seen| {
-            // What is left of a column after all the others, beside rounding.
+            // The part of a column orthogonal to the null model must exceed rounding.
             if (0..power.nrows()).any(|j| power[(j, j)] <= 1e-9 * s.column(j).norm_squared()) {
                 return None;
             }
@@ -282,7 +281,7 @@ impl Evidence {
         })
     }
 
-    /// Eq. (4): columns of one smooth shape, with the covariance `kernel` between their numbers.
+    /// Eq. (4): columns of one smooth shape, with the prior covariance `kernel` of their coefficients.
     pub fn shape(&self, s: &DMatrix<f64>, kernel: &DMatrix<f64>) -> Option<Gain> {
         let factor = kernel.clone().cholesky()?;
         let (inverse, prior) = (factor.inverse(), log_determinant(&factor));
@@ -302,7 +301,7 @@ impl Evidence {
         })
     }
 
-    /// What `explain` gives for S'PS and S'Pr, drift by drift.
+    /// The best result of `explain`, a function of S'PS and S'Pr, over all compared hyperparameters.
     fn best(
         &self,
         s: &DMatrix<f64>,
@@ -329,18 +328,18 @@ impl Evidence {
     }
 }
 
-/// Whether the last of some sizes costs more than the one before.
+/// Whether the last size has at least the cost of the one before.
 fn rises(sizes: &[State]) -> bool {
     matches!(sizes, [.., a, b] if b.cost.total_cmp(&a.cost).is_ge())
 }
 
-/// Where the parabola through costs at -1, 0 and 1 is least, between them.
+/// Minimum of the parabola through costs at -1, 0 and 1, limited to that range.
 fn vertex([a, b, c]: [f64; 3]) -> f64 {
     let curvature = a - 2.0 * b + c;
     if curvature > 0.0 { (0.5 * (a - c) / curvature).clamp(-1.0, 1.0) } else { 0.0 }
 }
 
-/// Columns beside columns.
+/// Columns of two matrices side by side.
 fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let mut z = DMatrix::zeros(a.nrows(), a.ncols() + b.ncols());
     z.columns_mut(0, a.ncols()).copy_from(a);
@@ -361,7 +360,7 @@ mod tests {
         DMatrix::from_fn(n, 1, |k, _| of(k as f64 / n as f64))
     }
 
-    /// Hat functions over a clock of 10 000 s, for readings of nine rows each.
+    /// Hat functions over a time of 10 000 s, for readings of nine rows each.
     fn sensor(n: usize) -> (DMatrix<f64>, Vec<(f64, usize)>) {
         let points: Vec<f64> = (0..12).map(|k| k as f64 / 11.0).collect();
         let drift =
@@ -369,7 +368,7 @@ mod tests {
         (drift, points.iter().map(|t| (1e4 * t, 0)).collect())
     }
 
-    /// A planted signal comes back with its size, beside a parameter and a drifting sensor, as surely as least squares say.
+    /// A planted signal is recovered with its size, given a parameter and sensor drift, with the variance of least squares.
     #[test]
     fn what_was_planted_is_found() {
         let (n, mut rng) = (400, crate::testing::rng(2));
@@ -379,14 +378,14 @@ mod tests {
         let (drift, knots) = sensor(n);
         let gain = Evidence::new(r, &slope, &[0.0], &drift, &knots).unwrap().gain(&fast).unwrap();
         let deviation = gain.covariance[(0, 0)].sqrt();
-        // Hardly anything else can do what it does: 1 / sqrt n.
+        // Almost orthogonal to all other columns: deviation 1 / sqrt n.
         assert!((deviation * (n as f64).sqrt() - 1.0).abs() < 0.1, "{deviation}");
         assert!((gain.size[0] - 0.7).abs() < 3.0 * deviation, "{gain:?}");
         let expected = (0.7 / deviation).powi(2);
         assert!(gain.raw > 0.6 * expected && gain.whitened > 0.6 * expected, "{gain:?} {expected}");
     }
 
-    /// A sensor that drifts, and a slow column that looks like it: white noise alone would take it, drift explains it.
+    /// Sensor drift and a slow column that resembles it: evidence against white noise alone, no evidence against drift.
     #[test]
     fn a_drift_is_no_effect() {
         let (n, mut rng) = (400, crate::testing::rng(4));
@@ -399,7 +398,7 @@ mod tests {
         assert!(gain.raw > 100.0 && gain.whitened < 10.0, "{gain:?}");
     }
 
-    /// Three readings, a mean that is free and a ramp: the ramp takes the 2 that the mean leaves of 14.
+    /// Three readings, a free mean and a ramp: of the sum of squares 14 the mean leaves 2, which the ramp explains.
     #[test]
     fn raw_is_the_fall_of_the_squares() {
         let r = DVector::from_vec(vec![1.0, 2.0, 3.0]);
@@ -411,8 +410,8 @@ mod tests {
         assert!((gain.size[0] - 1.0).abs() < 1e-6 && (gain.covariance[(0, 0)] - 0.5).abs() < 1e-6);
     }
 
-    /// Two laws that the null model gets wrong a little: what looks like them is no effect, where structure error of the size that is
-    /// seen explains it; what stands out far beyond is one.
+    /// Two laws of the null model with small errors: a residual that resembles them is no evidence for an effect, since structure error of
+    /// the observed size explains it; a much larger residual is.
     #[test]
     fn structure_error_is_no_effect() {
         let (n, mut rng) = (400, crate::testing::rng(6));
@@ -435,15 +434,15 @@ mod tests {
         assert!((gain.size[0] - 5.0).abs() < 1.0, "{gain:?}");
     }
 
-    /// -2 log of a normal density, without 2 pi.
+    /// -2 log of a normal density, without the constant 2 pi.
     fn minus_two_log(r: &DVector<f64>, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
         let factor = covariance.clone().cholesky().unwrap();
         let off = r - mean;
         off.dot(&factor.solve(&off)) + covariance.determinant().ln()
     }
 
-    /// Eq. (2) and (4) against densities written out: four readings, a parameter that stands 0.3 from its prior, a sensor
-    /// with two points, a shape of two numbers.
+    /// Eq. (2) and (4) against explicit densities: four readings, a parameter with a deviation of 0.3 from its prior, drift of a sensor
+    /// with two points, a shape with two coefficients.
     #[test]
     fn evidence_is_that_of_the_densities() {
         let r = DVector::from_vec(vec![2.0, -1.0, 0.5, 3.0]);
@@ -466,13 +465,13 @@ mod tests {
             let near = (-1e3 / length).exp();
             let k = DMatrix::from_vec(2, 2, vec![1.0, near, near, 1.0]) * (sd * sd);
             let drifting = &drift * k * drift.transpose();
-            // The parameters' own share of the determinant is the same for all, and left out.
+            // The determinant of the parameters alone is the same for all states and omitted.
             let whole = minus_two_log(&r, &mean, &(&plain + &drifting));
             whole - (&plain + &drifting).determinant().ln() + (&one + &drifting).determinant().ln()
         });
         let told = costs.fold(f64::INFINITY, f64::min);
         assert!((evidence.cost().0 - told).abs() < 1e-4, "{:?} instead of {told}", evidence.cost());
-        // Structure error of each size that was compared, as covariance.
+        // Structure error of each compared size, as covariance.
         let structure = DMatrix::from_vec(4, 2, vec![0.3, -0.2, 1.5, 0.4, 1.0, 0.9, -0.8, 0.1]);
         let evidence = Evidence::new(r.clone(), &z, &[0.3], &DMatrix::zeros(4, 0), &[]).unwrap();
         let evidence = evidence.with_structure(&structure).unwrap();

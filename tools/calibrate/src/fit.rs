@@ -1,12 +1,12 @@
-//! Parameters of a hypothesis from data: bounded least squares with priors.
+//! Estimation of the parameters of a hypothesis: bounded least squares with priors.
 //!
 //! minimise  sum_k [(y_k - y(t_k; p)) / sigma]^2 + sum_j [(p_j - p_j0) / s_j]^2             (1)
 //!
-//! y over all counted rows of the runs that are fitted, p_j0 the preset's value and s_j the standard deviation of its prior; parameters
-//! of an addition have none. A parameter whose prior is wide ([`WIDE`]) can be wrong by a factor: the first fit of all begins
-//! from several starts and moves it by its logarithm, so that it converges from any of them, and then as the others. The slopes come from the
-//! linearised model ([`crate::tangent`]) and serve for several steps: near the answer they hardly change, and a step then costs one
-//! simulation.
+//! The first sum includes all evaluated rows of the fitted runs. p_j0 is the preset's value and s_j the standard deviation of its prior;
+//! parameters of an addition have no prior. A parameter with a wide prior ([`WIDE`]) can be wrong by a factor. The first fit therefore
+//! uses several starts and the logarithms of such parameters, so that it converges from any start, and then the parameters
+//! themselves. Sensitivities come from the linearised model ([`crate::tangent`]) and are reused for several steps: near the optimum they
+//! hardly change, and a step then costs one simulation.
 //! *Source*: Bates, Watts, Nonlinear Regression Analysis (1988), ch. 2 and 3; priors as in PEtab.
 
 #[cfg(test)]
@@ -22,7 +22,7 @@ use physics::terms::Port;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
-/// A step that lowers (1) by less than `decrease` is the last.
+/// A step that reduces (1) by less than `decrease` is the last.
 const OPTIONS: Options = Options {
     damping: 1e-6,
     linearisations: 6,
@@ -33,26 +33,26 @@ const OPTIONS: Options = Options {
     gradient: 1e-9,
 };
 
-/// The same from a start far off.
+/// Options for a start far from the optimum.
 const FAR: Options = Options { damping: 1e-2, linearisations: 40, ..OPTIONS };
-/// The same from the best of several starts: where the cost hardly changes along a direction, the start would decide how far the fit goes.
+/// Options for the final fit from the best start. Along a direction of nearly constant cost, the result would depend on the start.
 const LAST: Options = Options { damping: 1e-6, linearisations: 12, decrease: 1e-5, ..OPTIONS };
-/// Starts that are simulated, and that are fitted, beside the preset; the spread of the former, in ln(1 + the relative deviation), and its
-/// greatest value.
+/// Number of simulated starts and of fitted starts, in addition to the preset; range of the simulated starts as a factor on
+/// ln(1 + relative deviation), and its upper limit.
 const TRIED: usize = 48;
 const STARTS: usize = 2;
 const SPREAD: (f64, f64) = (3.0, 5.0);
-/// Time for the starts that are simulated.
+/// Time limit for the simulated starts.
 const TRYING: Duration = Duration::from_millis(1500);
 
-/// A hypothesis that was fitted.
+/// A fitted hypothesis.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// With its numbers.
+    /// The hypothesis with its estimated parameters.
     pub hypothesis: Hypothesis,
-    /// What it shows in the runs that were fitted.
+    /// Predicted outputs in the fitted runs.
     pub shown: Vec<Shown>,
-    /// The sum of squares over the readings.
+    /// Sum of squared residuals over the readings, in units of the noise.
     pub chi_square: f64,
     /// Eq. (1).
     pub cost: f64,
@@ -60,22 +60,22 @@ pub struct Fitted {
     pub readings: usize,
 }
 
-/// A hypothesis linearised along runs.
+/// Sensitivities of a hypothesis along runs.
 pub struct Slopes {
-    /// One for each run.
+    /// One linearization for each run.
     pub tangents: Vec<Tangent>,
-    /// What leads to each number that slopes find: a probe, and which number of which addition its shape is.
+    /// Source of each sensitivity: a probe, and for additions the indices of addition and parameter that give its shape over time.
     leads: Vec<(usize, Option<(usize, usize)>)>,
-    /// The runs in which a number acts, where they are not all.
+    /// The runs in which a parameter acts; `None` for all runs.
     acts: Vec<Option<Vec<usize>>>,
     runs: Vec<usize>,
 }
 
 impl Slopes {
-    /// Linearises a hypothesis along runs, with further probes, which stand last among the directions.
+    /// Linearises a hypothesis along runs, with further probes last among the directions.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The model's error if it cannot be simulated.
     pub fn new(
         setup: &Setup,
         hypothesis: &Hypothesis,
@@ -125,13 +125,13 @@ impl Slopes {
         Ok(Slopes { tangents, leads, acts, runs: runs.to_vec() })
     }
 
-    /// Directions of the further probes of a run, from the `k`-th on.
+    /// Directions of the last `count` probes of a run.
     pub fn further(&self, run: usize, count: usize) -> &[Option<Direction>] {
         let all = &self.tangents[run].directions;
         &all[all.len() - count..]
     }
 
-    /// What the outputs of the `r`-th run answer to a unit of the `k`-th number, rows times outputs; `None` for nothing.
+    /// Sensitivity of the outputs of the `r`-th run to the `k`-th parameter, rows times outputs; `None` if zero.
     pub fn answer(&self, hypothesis: &Hypothesis, r: usize, k: usize) -> Option<Vec<f64>> {
         if self.acts[k].as_ref().is_some_and(|runs| !runs.contains(&self.runs[r])) {
             return None;
@@ -151,24 +151,24 @@ impl Slopes {
         }
     }
 
-    /// Number of numbers.
+    /// Number of parameters.
     pub fn count(&self) -> usize {
         self.leads.len()
     }
 }
 
 impl Setup<'_> {
-    /// Units in which numbers are fitted, their limits, and for the declared ones the prior.
+    /// Scales and limits of the fitted parameters, and the priors of the declared ones.
     pub fn scales(&self, hypothesis: &Hypothesis) -> Vec<(f64, (f64, f64), Option<f64>)> {
         let declared = self.declared.iter().map(|d| (d.deviation, d.limits, (!d.is_free).then_some(d.prior)));
         let added = hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
         declared.chain(added.map(|n| (n.scale, n.limits, None))).collect()
     }
 
-    /// A hypothesis as it stands, over runs.
+    /// Evaluates a hypothesis on runs without a fit.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The model's error if it cannot be simulated.
     pub fn judged(&self, hypothesis: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
         let shown = self.show(&hypothesis, runs)?;
         let (chi_square, readings) = self.chi_square(runs, &shown);
@@ -182,15 +182,15 @@ impl Setup<'_> {
         Ok(Fitted { hypothesis, shown, chi_square, cost: chi_square + prior, readings })
     }
 
-    /// Fits the numbers of a hypothesis to runs, from where it stands.
+    /// Fits the parameters of a hypothesis to runs, starting from their current values.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The model's error if it cannot be simulated.
     pub fn fit(&self, start: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
         self.fit_with(start, runs, false, &OPTIONS)
     }
 
-    /// The fit from a start, wide parameters by their logarithms or not.
+    /// The fit from a start; parameters with wide priors are fitted as logarithms if `logarithms`.
     fn fit_with(
         &self,
         start: Hypothesis,
@@ -207,26 +207,27 @@ impl Setup<'_> {
         Ok(minimise(&Fit { setup: self, start: &start, runs, scales }, x, &limits, options)?.point)
     }
 
-    /// How the numbers of a hypothesis are variables of the fit.
+    /// Transformation of the parameters to the variables of the fit.
     fn scaled(&self, hypothesis: &Hypothesis, logarithms: bool) -> Vec<Scale> {
         let is_wide = |k: usize| logarithms && self.declared.get(k).is_some_and(is_wide);
         let scales = self.scales(hypothesis).into_iter().enumerate();
         scales.map(|(k, (unit, limits, prior))| Scale { unit, limits, prior, is_log: is_wide(k) }).collect()
     }
 
-    /// The fit from a start far off: wide parameters by their logarithms first, since a limit at zero has no logarithm.
+    /// The fit from a start far from the optimum. Parameters with wide priors are fitted as logarithms first, and then directly, because a
+    /// limit at zero has no logarithm.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The model's error if it cannot be simulated.
     pub fn settled(&self, start: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
         let far = self.fit_with(start, runs, true, &FAR)?;
         self.fit_with(far.hypothesis, runs, false, &FAR)
     }
 
-    /// What each output says of the numbers of a fitted hypothesis, in units of their scales.
+    /// Fisher information of each output about the parameters of a fitted hypothesis, in units of their scales.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The model's error if it cannot be simulated.
     pub fn informations(&self, fitted: &Fitted, runs: &[usize]) -> Result<Vec<DMatrix<f64>>, CalibrateError> {
         let fit = Fit {
             setup: self,
@@ -237,10 +238,10 @@ impl Setup<'_> {
         Ok(fit.informations(fitted, &fit.columns(fitted)?))
     }
 
-    /// The first fit of the declared parameters: from the preset, and where priors are wide from further starts.
+    /// The first fit of the declared parameters: from the preset, and with wide priors also from further starts.
     ///
     /// # Errors
-    /// What the model says where it cannot be run from any start.
+    /// The model's error if it cannot be simulated from any start.
     pub fn refit(&self, runs: &[usize]) -> Result<Fitted, CalibrateError> {
         let plain = self.fit(self.preset(), runs);
         if !self.declared.iter().any(is_wide) {
@@ -267,7 +268,7 @@ impl Setup<'_> {
         self.fit_with(best.hypothesis.clone(), runs, false, &LAST).or(Ok(best))
     }
 
-    /// The best of several points about the preset that cover its wide priors evenly (Halton's sequence, Numer. Math. 2 (1960) 84-90).
+    /// The best starts of a low-discrepancy sample of the wide priors (Halton's sequence, Numer. Math. 2 (1960) 84-90).
     fn starts(&self, runs: &[usize]) -> Vec<Hypothesis> {
         const PRIMES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
         let (begun, mut found) = (Instant::now(), Vec::new());
@@ -298,7 +299,7 @@ pub fn is_wide(declared: &Declared) -> bool {
     declared.prior > 0.0 && declared.limits.0 >= 0.0 && declared.deviation > WIDE * declared.prior
 }
 
-/// The n-th number of Halton's sequence to a prime.
+/// The n-th element of Halton's sequence for a prime.
 fn halton(mut n: usize, prime: usize) -> f64 {
     let (mut value, mut share) = (0.0, 1.0);
     while n > 0 {
@@ -309,7 +310,7 @@ fn halton(mut n: usize, prime: usize) -> f64 {
     value
 }
 
-/// How a number is a variable of the fit: in units of its scale, or the logarithm of that.
+/// Transformation of a parameter to a variable of the fit: the value in units of its scale, or its logarithm.
 struct Scale {
     unit: f64,
     limits: (f64, f64),
@@ -318,7 +319,7 @@ struct Scale {
 }
 
 impl Scale {
-    /// Least argument of a logarithm.
+    /// Smallest argument of the logarithm.
     const LEAST: f64 = 1e-12;
 
     fn variable(&self, number: f64) -> f64 {
@@ -327,17 +328,17 @@ impl Scale {
     }
 
     fn number(&self, x: f64) -> f64 {
-        // Back from a limit, rounding must not lead beyond it.
+        // Rounding in the back-transformation must not violate a limit.
         (self.unit * if self.is_log { x.exp() } else { x }).clamp(self.limits.0, self.limits.1)
     }
 
-    /// What the number in its unit grows by with the variable.
+    /// Derivative of the scaled parameter with respect to the variable.
     fn slope(&self, number: f64) -> f64 {
         if self.is_log { number / self.unit } else { 1.0 }
     }
 }
 
-/// The fit of a hypothesis. The variables are its numbers in units of their scales.
+/// The least-squares problem of a hypothesis. The variables are its scaled parameters.
 struct Fit<'a> {
     setup: &'a Setup<'a>,
     start: &'a Hypothesis,
@@ -345,11 +346,11 @@ struct Fit<'a> {
     scales: Vec<Scale>,
 }
 
-/// What the outputs of each run answer to a unit of each number, rows times outputs; `None` for nothing.
+/// Sensitivities of each run: for each parameter, rows times outputs; `None` if zero.
 type Columns = Vec<Vec<Option<Vec<f64>>>>;
 
 impl Fit<'_> {
-    /// Calls `tell` for every reading with its slopes over the scaled numbers and its residual, both in units of the noise.
+    /// Calls `tell` for every reading with its sensitivities to the variables and its residual, both in units of the noise.
     fn each(&self, fitted: &Fitted, columns: &Columns, mut tell: impl FnMut(usize, &[f64], f64)) {
         let numbers = fitted.hypothesis.numbers();
         let units: Vec<f64> = self.scales.iter().zip(&numbers).map(|(s, p)| s.unit * s.slope(*p)).collect();
@@ -367,7 +368,7 @@ impl Fit<'_> {
 }
 
 impl Fit<'_> {
-    /// The slopes of a fitted hypothesis.
+    /// The sensitivities of a fitted hypothesis.
     fn columns(&self, fitted: &Fitted) -> Result<Columns, CalibrateError> {
         let slopes = Slopes::new(self.setup, &fitted.hypothesis, self.runs, &[])?;
         let of_run =
@@ -375,7 +376,7 @@ impl Fit<'_> {
         Ok((0..self.runs.len()).into_par_iter().map(of_run).collect())
     }
 
-    /// What each output says of the scaled numbers.
+    /// Fisher information of each output about the variables.
     fn informations(&self, fitted: &Fitted, columns: &Columns) -> Vec<DMatrix<f64>> {
         let p = self.scales.len();
         let mut all = vec![DMatrix::<f64>::zeros(p, p); self.setup.outputs()];
@@ -436,7 +437,7 @@ impl Problem for Fit<'_> {
         self.setup.deadline().is_near()
     }
 
-    /// A third of a prior's deviation, or 5 % of a number without one or of one by its logarithm.
+    /// Whether the sensitivities at `from` are still valid: within 0.3 prior deviation, 5 % for logarithms and parameters without prior.
     fn is_near(&self, from: &DVector<f64>, x: &DVector<f64>) -> bool {
         self.scales.iter().enumerate().all(|(k, scale)| {
             let near = if scale.is_log {

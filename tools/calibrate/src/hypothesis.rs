@@ -1,4 +1,4 @@
-//! A model that may be: the declared parameters with their values, and what was added.
+//! A hypothesis: the declared parameters with their values, and the additions to the model.
 
 use crate::outcome::Follows;
 use crate::overrides::Override;
@@ -6,41 +6,41 @@ use physics::components::sensor::lagged;
 use physics::model::Slot;
 use physics::terms::{Driver, Drivers, Factor, GenericTerm, Lag, Law, Port, Product, Table};
 
-/// A number of an addition.
+/// A parameter of an addition.
 #[derive(Clone, Debug)]
 pub struct Number {
     /// Its symbol.
     pub symbol: String,
     /// Its value.
     pub value: f64,
-    /// What it may be.
+    /// Lower and upper limit.
     pub limits: (f64, f64),
     /// Its unit.
     pub unit: &'static str,
-    /// A change of it that would be seen.
+    /// A change with a detectable effect on the outputs; unit of the fit.
     pub scale: f64,
-    /// Whether it is found along slopes; else by trying.
+    /// Whether it is estimated by linearization; otherwise it is found by trial.
     pub sloped: bool,
 }
 
-/// How an addition changes the model.
+/// Form in which an addition changes the model.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// Parameters of an effect of the list, one for each number, beside others that stand still.
+    /// Parameters of a listed effect, with further parameters held constant.
     Listed {
-        /// One for each number.
+        /// One slot for each number.
         slots: Vec<Slot>,
-        /// What stands still.
+        /// Parameters held constant.
         with: Vec<(Slot, f64)>,
-        /// Whether it brings a store of its own.
+        /// Whether the effect adds a state, such as the temperature of a new node.
         stores: bool,
     },
-    /// A term: coefficient, and exponent where there is a second number, over a driver.
+    /// A power law of a driver: coefficient, and exponent if there is a second number.
     Power {
-        /// The driver with its zero and its usual size; its exponent where that is no number.
+        /// The driver with offset and reference value; the exponent, unless it is a number of the addition.
         factor: Factor,
     },
-    /// A term: a table over a driver, a number at each point.
+    /// A table over a driver, with one number for each point.
     Table {
         /// The driver.
         driver: Driver,
@@ -49,29 +49,29 @@ pub enum Shape {
     },
 }
 
-/// What was added to a model.
+/// An addition to a model.
 #[derive(Clone, Debug)]
 pub struct Addition {
-    /// Id of an effect of the list; `generic_term`.
+    /// Id of a listed effect, or `generic_term`.
     pub id: String,
-    /// Where it acts.
+    /// Port at which it acts.
     pub port: Port,
-    /// What it follows.
+    /// The quantity that it depends on.
     pub follows: Follows,
-    /// How it changes the model.
+    /// Form of the addition.
     pub shape: Shape,
-    /// Its numbers.
+    /// Its parameters.
     pub numbers: Vec<Number>,
-    /// Whether it acts, run by run.
+    /// Whether it is active, for each run.
     pub active: Vec<bool>,
-    /// The driver that a term follows late; its last number is then the time constant.
+    /// The driver that a term follows with a first-order lag; its last number is then the time constant.
     pub late: Option<Driver>,
 }
 
-/// Share of a time constant by which it is moved for a slope.
+/// Relative change of a time constant for its finite-difference sensitivity.
 const WAY: f64 = 1e-3;
 
-/// A driver at the rows of a run with a first-order lag, linear between them; it starts where the driver does.
+/// A driver with a first-order lag at the rows of a run, linear between rows; the initial state is the driver's initial value.
 pub fn followed(time: &[f64], drivers: &[Drivers], lag: Lag) -> Vec<f64> {
     let x = |row: usize| drivers[row].of(lag.driver);
     let mut all = Vec::with_capacity(time.len());
@@ -85,7 +85,7 @@ pub fn followed(time: &[f64], drivers: &[Drivers], lag: Lag) -> Vec<f64> {
 }
 
 impl Addition {
-    /// Its kind, as an index: an effect of the list, a power, a table, a law with a lag.
+    /// Index of its kind: listed effect, power law, table, law with a lag.
     pub fn kind(&self) -> usize {
         match self.shape {
             _ if self.late.is_some() => 3,
@@ -100,8 +100,7 @@ impl Addition {
         Some(Lag { driver: self.late?, tau: self.numbers.last()?.value })
     }
 
-    /// How many of its numbers are sizes of the term: the exponent of a power, a time constant and what stands behind a new node are
-    /// none.
+    /// Number of coefficients in which the term is linear: exponents, time constants and further parameters of a new node are not counted.
     pub fn sizes(&self) -> usize {
         match &self.shape {
             Shape::Listed { .. } | Shape::Power { .. } => 1,
@@ -109,7 +108,7 @@ impl Addition {
         }
     }
 
-    /// What the value grows by with one of the numbers, at each row of a run.
+    /// Derivative of the value with respect to one number, at each row of a run.
     pub fn slopes(&self, number: usize, time: &[f64], drivers: &[Drivers]) -> Vec<f64> {
         let Some(lag) = self.lag() else {
             return drivers.iter().map(|d| self.slope(number, d)).collect();
@@ -129,7 +128,7 @@ impl Addition {
         }
     }
 
-    /// Whether it stands in the list of effects.
+    /// Whether it is a listed effect.
     pub fn is_listed(&self) -> bool {
         matches!(self.shape, Shape::Listed { .. })
     }
@@ -139,18 +138,18 @@ impl Addition {
         matches!(self.shape, Shape::Table { .. })
     }
 
-    /// Whether it brings a store of its own.
+    /// Whether it adds a state.
     pub fn is_store(&self) -> bool {
         matches!(&self.shape, Shape::Listed { stores: true, .. })
     }
 
-    /// Numbers that it costs: of a table half, since neighbours are alike.
+    /// Number of parameters in the complexity penalty: half for a table, since neighbouring values are correlated.
     pub fn price(&self) -> f64 {
         let count = self.numbers.len() as f64;
         if self.is_table() { 0.5 * count } else { count }
     }
 
-    /// The law as data, where it is in no list.
+    /// The law as data, unless it is a listed effect.
     pub fn term(&self) -> Option<GenericTerm> {
         let law = match &self.shape {
             Shape::Listed { .. } => return None,
@@ -171,7 +170,7 @@ impl Addition {
         Some(GenericTerm { port: self.port, law, lag: self.lag() })
     }
 
-    /// Adds itself to a change.
+    /// Adds this addition to the overrides of a model.
     pub fn apply(&self, change: &mut Override) {
         if let Shape::Listed { slots, with, .. } = &self.shape {
             change.values.extend(with);
@@ -181,7 +180,7 @@ impl Addition {
         }
     }
 
-    /// What a term's value grows by with each of its numbers, in that order, where the drivers stand.
+    /// Derivative of a term's value with respect to one of its numbers, at the values of the drivers.
     pub fn slope(&self, number: usize, drivers: &Drivers) -> f64 {
         match &self.shape {
             Shape::Listed { .. } => 1.0,
@@ -203,12 +202,12 @@ impl Addition {
     }
 }
 
-/// The power of a driver at `x`, as terms take it.
+/// Power law of a driver at `x`, with the sign convention of terms.
 pub fn power(factor: &Factor, x: f64, exponent: f64) -> f64 {
     Factor { exponent, ..*factor }.of(x)
 }
 
-/// The share that point `k` of a table has at `x`: 1 there, 0 at its neighbours, held beyond the ends.
+/// Hat function of point `k` of a table at `x`: 1 at the point, 0 at its neighbours, constant outside the table.
 pub fn hat(knots: &[f64], k: usize, x: f64) -> f64 {
     let last = knots.len() - 1;
     let x = x.clamp(knots[0], knots[last]);
@@ -221,23 +220,23 @@ pub fn hat(knots: &[f64], k: usize, x: f64) -> f64 {
     }
 }
 
-/// A model that may be.
+/// A candidate model.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
     /// The declared parameters, in the order of the experiment's priors.
     pub declared: Vec<f64>,
-    /// What was added.
+    /// The additions.
     pub additions: Vec<Addition>,
 }
 
 impl Hypothesis {
-    /// Every number that slopes find: the declared ones, then those of the additions.
+    /// All numbers found by linearization: the declared ones, then those of the additions.
     pub fn numbers(&self) -> Vec<f64> {
         let added = self.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
         self.declared.iter().copied().chain(added.map(|n| n.value)).collect()
     }
 
-    /// Takes other values for [`numbers`](Hypothesis::numbers).
+    /// Sets the values of [`numbers`](Hypothesis::numbers).
     pub fn take(&mut self, numbers: &[f64]) {
         let places = self.additions.iter_mut().flat_map(|a| a.numbers.iter_mut().filter(|n| n.sloped));
         let all = self.declared.iter_mut().chain(places.map(|n| &mut n.value));
@@ -266,7 +265,7 @@ mod tests {
         }
     }
 
-    /// Slopes of a lagged law are differences of its values along a run, its time constant among them.
+    /// Derivatives of a law with a lag, including that with respect to the time constant, against differences along a run.
     #[test]
     fn slopes_of_a_lag_are_those_of_its_law() {
         let time: Vec<f64> = (0..200).map(|k| 3.0 * f64::from(k)).collect();
@@ -303,7 +302,7 @@ mod tests {
         Drivers { speed, ..Drivers::default() }
     }
 
-    /// At every place the shares of all points add up to 1, and those of a line's values to the line; beyond the ends they are held.
+    /// The hat functions add up to 1 and reproduce a straight line; outside the table they are constant.
     #[test]
     fn hats_share_the_whole() {
         let knots = [-1.0, 0.5, 1.0, 4.0];
@@ -317,7 +316,7 @@ mod tests {
         assert_eq!((hat(&knots, 1, 0.5), hat(&knots, 1, 1.0), hat(&knots, 3, 9.0)), (1.0, 0.0, 1.0));
     }
 
-    /// What slopes follow is what the law does, on both sides of its zero: the value by its numbers, and how it grows with each.
+    /// Derivatives of a power law against differences of the law, on both sides of its zero.
     #[test]
     fn slopes_of_a_power_are_those_of_its_law() {
         let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 200.0, exponent: 0.7 };
@@ -332,7 +331,7 @@ mod tests {
                 assert!((of.slope(k, &at(x)) - slope).abs() < 1e-8, "{x} {k}");
             }
         }
-        // A drag turns round with the speed, a resistance's driver has no sides.
+        // A drag torque changes its sign with the speed; a power of the current's magnitude does not.
         let current = Factor { driver: Driver::Current, ..factor };
         assert_eq!(power(&current, -100.0, 2.0), power(&current, 100.0, 2.0));
         let warm =
@@ -341,7 +340,7 @@ mod tests {
         assert_eq!(addition(Shape::Power { factor }, &[0.3, 0.7]).slope(1, &at(0.0)), 0.0);
     }
 
-    /// The law that is added has the numbers as they stand.
+    /// The generic term contains the current numbers.
     #[test]
     fn a_term_has_its_numbers() {
         let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 200.0, exponent: 1.0 };
@@ -357,7 +356,7 @@ mod tests {
         assert!(listed.term().is_none() && listed.is_listed());
     }
 
-    /// What is not found by slopes stays where it is.
+    /// Numbers that are not found by linearization are unchanged.
     #[test]
     fn numbers_are_taken_in_the_order_in_which_they_are_told() {
         let mut second =

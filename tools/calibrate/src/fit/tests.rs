@@ -23,8 +23,8 @@ fn planted_numbers_come_back() {
     assert_eq!(found.readings, 1200);
 }
 
-/// Two runs whose winding sensor sits elsewhere each time: its offset is an unknown of each run, and what is common to both is found
-/// beside it.
+/// Two runs with different positions of the winding sensor: its offset is an unknown of each run and is estimated jointly with the
+/// common parameters.
 #[test]
 fn unknowns_of_single_runs_come_back() {
     use crate::experiment::{Deviation, Prior, Role};
@@ -37,7 +37,7 @@ fn unknowns_of_single_runs_come_back() {
     experiment.runs[0].priors = vec![Prior { name: offset.to_string(), deviation }];
     let mut second = experiment.runs[0].clone();
     second.file = "second.csv".to_string();
-    // The same file once more, where nothing is fitted.
+    // The same file as a test run, which is not fitted.
     let again = crate::experiment::Run { role: Role::Test, priors: Vec::new(), ..second.clone() };
     experiment.runs.extend([second, again]);
     let winding = experiment.inputs.len() + 2;
@@ -53,7 +53,7 @@ fn unknowns_of_single_runs_come_back() {
     {
         assert!((found / told - 1.0).abs() < 5e-3, "{name}: {found} instead of {told}");
     }
-    // The second file is as it is wherever it stands; a model for other runs has no such offset.
+    // The offset of the second file applies in every role of that file; the common model has no offset.
     let slot = setup.declared[4].slot;
     let of =
         |change: crate::overrides::Override| change.values.iter().find(|(s, _)| *s == slot).map(|(_, v)| *v);
@@ -62,8 +62,8 @@ fn unknowns_of_single_runs_come_back() {
     assert_eq!(of(setup.common_change(&found.hypothesis, 2)), None);
 }
 
-/// A torque that drives asks for less than no friction. It stops at none, and what grows with the speed, which could not be
-/// told from it by a step of both, goes to where it is best without.
+/// A driving torque asks for negative friction. The estimate stops at the limit zero, and the speed-dependent coefficient, which a
+/// joint step could not distinguish from it, still converges to its optimum.
 #[test]
 fn one_that_stands_at_its_limit_does_not_stop_the_others() {
     let priors = format!("{PRIORS}\n\"effect.viscous_friction.k\" = 10");
