@@ -253,7 +253,7 @@ fn is_no_worse(exact: &Setup, one: &Hypothesis, other: &Hypothesis) -> Result<bo
     Ok(of(one, &fit)? + validated.0 <= NO_WORSE * (of(other, &fit)? + validated.1))
 }
 
-/// Every parameter found by linearization, with its interval, and the covariance, estimated jointly with sensor drift and, where given,
+/// Every parameter found by linearization, with its interval, and the covariance, estimated jointly with sensor drift and, if given,
 /// with a latent input at a port. A `corrected` hypothesis receives the parameters that are optimal with this drift.
 fn estimates(
     setup: &Setup,

@@ -11,8 +11,8 @@
 //! gain is the decrease of (2) from its minimum over them without S to its minimum with S. `raw` gains are without drift and
 //! structure error. A column that explains a slow residual of millikelvins must therefore fit better than sensor drift, and an effect
 //! must explain more than structure error of the observed size.
-//! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 2.7 and 5.4; Kennedy, O'Hagan, J. R. Stat. Soc. B 63
-//! (2001) 425-464 (structure error).
+//! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 2.7 and 5.4; Kennedy, O'Hagan, J. R. Stat. Soc. B
+//! 63 (2001) 425-464 (structure error).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 

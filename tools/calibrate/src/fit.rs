@@ -35,7 +35,8 @@ const OPTIONS: Options = Options {
 
 /// Options for a start far from the optimum.
 const FAR: Options = Options { damping: 1e-2, linearisations: 40, ..OPTIONS };
-/// Options for the final fit from the best start. Along a direction of nearly constant cost, the result would depend on the start.
+/// Options for the final fit from the best start: tight tolerances, since otherwise the result along a direction of nearly constant
+/// cost would depend on the start.
 const LAST: Options = Options { damping: 1e-6, linearisations: 12, decrease: 1e-5, ..OPTIONS };
 /// Number of simulated starts and of fitted starts, in addition to the preset; range of the simulated starts as a factor on
 /// ln(1 + relative deviation), and its upper limit.

@@ -8,7 +8,7 @@ use physics::model::{Declaration, Slot};
 pub enum Node {
     /// The winding.
     Winding,
-    /// The stator beside the winding.
+    /// The stator next to the winding.
     Stator,
     /// The rotor with its magnets.
     Magnets,

@@ -16,7 +16,6 @@ impl Setup<'_> {
     ///
     /// # Errors
     /// The model's error if it cannot be simulated.
-    /// What the model says where it cannot be run.
     pub fn include_input_noise(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
         let slopes = self.input_sensitivities(&fitted.hypothesis, runs)?;
