@@ -1,28 +1,28 @@
-//! Closing the loop: from bench data to the effect that the model lacks.
+//! Closed-loop calibration: from bench data to the effect that the model lacks.
 //!
-//! In the order that the data goes:
+//! In the order of the data flow:
 //!
-//! | module | does |
+//! | module | function |
 //! |---|---|
-//! | [`experiment`] | reads what was measured, and refuses what cannot be right |
-//! | [`intake`] | sets aside sensors that do not work, and refuses data that contradict the model |
-//! | [`noise`] | says how much of a channel is noise |
-//! | [`simulate`], [`change`], [`initial`] | the native model over a run, with what a trial changes of it and where it starts |
-//! | [`hypothesis`], [`catalogue`] | a model that may be: parameters, effects of the list, terms of no list |
-//! | [`setup`] | all of it ready to be asked; residuals row by row and in blocks |
-//! | [`fit`] | the numbers of a hypothesis: bounded, with priors |
-//! | `disagreement` | runs that disagree by more than the noise of the sensors |
-//! | `hearing` | what the noise of the inputs does to it |
-//! | [`tangent`] | the model linearised along a run: what any small force at any port would do |
-//! | [`evidence`] | what a column would explain beside all parameters and drifting sensors |
-//! | [`point`] | a fitted model with both: where one looks from |
-//! | [`search`] | scores effects, shapes over drivers, forces free in time, and what knows its past |
-//! | [`rounds`] | the best are fitted, compete, and pass a gate |
-//! | [`close_loop`] | the whole way, and the verdict |
-//! | `blackbox`, `comparison` | models without physics from the same inputs, and where the repair is not the best |
-//! | [`separate`] | the run or reading that would tell two models apart |
+//! | [`experiment`] | reads the measured data and rejects invalid files |
+//! | [`intake`] | sets aside failed sensors and rejects data that contradict the model |
+//! | [`noise`] | estimates the noise of each channel |
+//! | [`simulate`], [`change`], [`initial`] | native model over a run, parameter overrides, initial states |
+//! | [`hypothesis`], [`catalogue`] | candidate model: parameters, listed effects, unlisted terms |
+//! | [`setup`] | prepared experiment; residuals by row and by block |
+//! | [`fit`] | parameter estimation of a hypothesis with bounds and priors |
+//! | `disagreement` | runs that disagree by more than the sensor noise |
+//! | `hearing` | effect of input noise on the outputs |
+//! | [`tangent`] | model linearised along a run: response to a small perturbation at any port |
+//! | [`evidence`] | evidence for a column, jointly with all parameters and drifting sensors |
+//! | [`point`] | fitted model with its linearization and evidence: the base point of a search |
+//! | [`search`] | scores effects, laws over drivers, latent inputs, and laws with memory |
+//! | [`rounds`] | stepwise selection: the best candidates are fitted, compared, and pass acceptance tests |
+//! | [`close_loop`] | the complete procedure and the verdict |
+//! | `blackbox`, `comparison` | black-box models of the same inputs, and where they predict better than the repaired model |
+//! | [`separate`] | run or reading that would distinguish two models |
 //! | `prediction` | prediction intervals |
-//! | `telling`, [`outcome`], [`report`] | intervals, errors, words: as data, and as `report.json` |
+//! | `telling`, [`outcome`], [`report`] | confidence intervals, errors and texts: as data, and as `report.json` |
 
 mod blackbox;
 pub mod catalogue;
@@ -53,7 +53,7 @@ pub mod tangent;
 #[cfg(test)]
 mod testing;
 
-/// Why an experiment cannot be used: one sentence with file and, where there is one, line.
+/// Reason why an experiment is rejected: one sentence with file and, if applicable, line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct CalibrateError(pub String);

@@ -1,48 +1,51 @@
-//! How much a channel trembles by itself.
+//! Noise of a channel.
 //!
 //! e_k = y_k - [(t_{k+1} - t_k) y_{k-1} + (t_k - t_{k-1}) y_{k+1}] / (t_{k+1} - t_{k-1})              (1)
 //! sigma = 1.4826 median |e_k| / sqrt(1 + a^2 + b^2),   a and b the two weights in (1)                (2)
 //!
-//! A row against the line between its neighbours: a quantity that changes slowly beside the rows leaves noise alone.
-//! The median is deaf to the few rows where an input jumps.
-//! quantised: q^2 / 12,   q the step in which a channel moves                                              (3)
+//! Deviation of a row from the line between its neighbours: for a quantity that changes slowly compared with the rows, only noise remains.
+//! The median is insensitive to the few rows at which an input steps.
+//! quantised: q^2 / 12,   q the quantization step of a channel                                             (3)
 //!
-//! *Assumes* white noise; one that drifts reads as 0: [`LEAST`] then stands in. What a converter or a display cuts off, (3),
-//! reads as 0 as well where it is coarser than the noise; where it is finer, (2) has it already, so that the greater of both
-//! counts. A stated noise is the sensor's own, to which (3) adds.
+//! *Assumes* white noise; for slowly drifting noise (2) gives 0, and [`LEAST`] is used instead. Quantization (3) by a converter or a
+//! display
+//! also gives 0 in (2) if it is coarser than the noise; if it is finer, (2) includes it. The greater of both is therefore used. A stated
+//! noise
+//! is that of the sensor alone; (3) is added to it.
 //! *Source*: Gasser, Sroka, Jennen-Steinmetz, Biometrika 73 (1986) 625-633; 1.4826 makes the median of a normal
 //! distribution its standard deviation. (3): Widrow, IRE Transactions on Circuit Theory 3 (1956) 266-276.
 
 use crate::experiment::Experiment;
 
-/// Share of a channel's span that its noise is at least taken for.
+/// Lower limit of the noise, as a fraction of the channel's span.
 const LEAST: f64 = 1e-5;
 
-/// Share of its readings that a slower sensor holds equally long.
+/// Fraction of the readings that a slower sensor holds for the same number of rows.
 const REGULAR: f64 = 0.8;
-/// Most rows for which a slower sensor's reading is held: what stands longer was commanded.
+/// Most rows for which a slower sensor holds a reading: longer plateaus are commanded.
 const LONGEST: usize = 20;
-/// Moves between rows that it takes to tell a step: fewer are plateaus.
+/// Fewest changes between rows for estimating a quantization step: fewer are plateaus.
 const MOVES: usize = 20;
-/// The share of the moves, least first, beyond which the step is taken: of noise that is not quantised it is next to
-/// nothing, of noise that is, the step itself.
+/// Quantile of the changes, in ascending order, at which the step is read: for continuous noise it is nearly zero, for quantised noise it
+/// is
+/// the step itself.
 const FIRST: f64 = 0.02;
-/// How near a move has to be to a multiple of the step, and what share of the moves.
+/// Tolerance of a change as a multiple of the step, and fraction of the changes that must meet it.
 const ON_STEPS: (f64, f64) = (0.02, 0.95);
-/// A channel that has fewer steps in its span is told what to do (a fan on and off, a stair of speeds), and says so exactly.
+/// A channel with fewer steps in its span is commanded (a fan on and off, a staircase of speeds) and therefore exact.
 const STEPS: f64 = 50.0;
-/// The coarsest thermometer, K: of a temperature, which nobody commands, few steps are enough.
+/// Coarsest thermometer, K: a temperature is never commanded, so few steps are sufficient.
 const COARSEST: f64 = 1.0;
 
-/// The step in which a quantity moves from row to row; `None` where it moves freely, hardly, or as commanded. Decimals of a file
-/// are a step as well, however small.
+/// Quantization step of a quantity; `None` if it is continuous, nearly constant, or commanded. The decimals of a file also form a step,
+/// however small.
 fn step<'a>(columns: impl Iterator<Item = &'a [f64]>, is_temperature: bool) -> Option<f64> {
     let (mut moves, mut least, mut most) = (Vec::new(), f64::INFINITY, f64::NEG_INFINITY);
     for column in columns {
         let known: Vec<f64> = column.iter().copied().filter(|v| v.is_finite()).collect();
         (least, most) = known.iter().fold((least, most), |(a, b), v| (a.min(*v), b.max(*v)));
         let sizes = known.windows(2).map(|pair| ((pair[1] - pair[0]).abs(), pair[0].abs().max(1e-3)));
-        // What is left of a subtraction of equal readings is none.
+        // Rounding errors of equal readings are not changes.
         moves.extend(sizes.filter(|(size, of)| *size > 1e-12 * of).map(|(size, _)| size));
     }
     if moves.len() < MOVES {
@@ -56,8 +59,9 @@ fn step<'a>(columns: impl Iterator<Item = &'a [f64]>, is_temperature: bool) -> O
     (all && measured).then_some(step)
 }
 
-/// Standard deviation of the noise of one column of one run; `None` with fewer than five rows that were measured. Rows that
-/// a slower sensor leaves blank are none, and where one repeats itself for as many rows each time, only new readings count.
+/// Standard deviation of the noise of one column of one run; `None` with fewer than five readings. Rows that a slower sensor leaves blank
+/// are
+/// ignored; if readings are repeated for a constant number of rows, only new readings count.
 pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
     let known: Vec<(f64, f64)> =
         time.iter().copied().zip(column.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
@@ -65,7 +69,7 @@ pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
     if sigma > 0.0 {
         return Some(sigma);
     }
-    // A logger that holds the last reading has a new one every so many rows; a command stands as long as it likes.
+    // A logger with sample-and-hold has a new reading at a constant number of rows; a command may be constant for any number of rows.
     let mut new: Vec<(f64, f64)> = Vec::new();
     let mut held: Vec<usize> = Vec::new();
     for (k, reading) in known.iter().enumerate() {
@@ -101,8 +105,9 @@ fn of_readings(known: &[(f64, f64)]) -> Option<f64> {
     Some(1.4826 * sizes[sizes.len() / 2])
 }
 
-/// Standard deviations of all channels, inputs first, in SI units: what the experiment says, else the median of its
-/// runs; with what the channel's step brings.
+/// Standard deviations of all channels, inputs first, in SI units: as stated in the experiment, otherwise the median over its runs;
+/// including
+/// quantization.
 pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
     let channels = experiment.inputs.iter().chain(&experiment.outputs);
     channels
@@ -131,7 +136,7 @@ mod tests {
     use rand::RngExt;
     use rand_pcg::Pcg64Mcg;
 
-    /// A slow wave with noise of standard deviation 0.2, rows at uneven times.
+    /// Slow wave with noise of standard deviation 0.2, rows at uneven times.
     #[test]
     fn noise_on_a_slow_wave() {
         let mut rng = rng(1);
@@ -163,7 +168,7 @@ mod tests {
         }
     }
 
-    /// Noise of fan, room and winding in an experiment of one run, where they read what the three functions say at each row.
+    /// Noise of fan, ambient and winding in an experiment of one run; the three functions give the readings at each row.
     fn noises(stated: &str, read: impl Fn(usize, &mut Pcg64Mcg) -> [f64; 3]) -> Vec<f64> {
         let folder = tempfile::tempdir().unwrap();
         let mut rows = String::from(
@@ -192,7 +197,7 @@ mod tests {
         (x / step).round() * step
     }
 
-    /// A thermometer of 0.25 K trembles by 0.25 / sqrt 12 = 0.072 K, whatever it is asked; a fan that is switched does not.
+    /// A thermometer with a step of 0.25 K has quantization noise of 0.25 / sqrt 12 = 0.072 K; a switched fan has none.
     #[test]
     fn a_coarse_sensor_is_as_noisy_as_its_step() {
         let read = |k: usize, rng: &mut Pcg64Mcg| {
@@ -202,12 +207,12 @@ mod tests {
         let found = noises("", read);
         assert!(found[0] < 1e-4, "{found:?}");
         assert!((found[1] - 0.1).abs() < 0.05 && (found[2] - 0.0722).abs() < 0.002, "{found:?}");
-        // Beside a noise that is stated.
+        // With a stated noise.
         let found = noises("winding_temperature_degC = 0.1", read);
         assert!((found[2] - 0.1f64.hypot(0.25 / 12f64.sqrt())).abs() < 1e-4, "{found:?}");
     }
 
-    /// Five digits in a file are a step of a thousandth, and full digits none: the noise stays what it was.
+    /// Five digits in a file are a step of a thousandth; full digits are not quantised and leave the noise unchanged.
     #[test]
     fn fine_readings_are_as_noisy_as_before() {
         for step in [1e-3, 1e-9] {
@@ -219,7 +224,7 @@ mod tests {
         }
     }
 
-    /// Eq. (2) alone of the same readings.
+    /// Eq. (2) alone for the same readings.
     fn bare(step: f64) -> f64 {
         let mut rng = rng(3);
         let time: Vec<f64> = (0..1500).map(|k| 2.0 * f64::from(k)).collect();
@@ -227,14 +232,14 @@ mod tests {
         of_column(&time, &column).unwrap()
     }
 
-    /// A stair of few speeds is a command; a counter of many steps is none.
+    /// A staircase of few speeds is a command; a counter with many steps is not.
     #[test]
     fn a_stair_is_no_step() {
         let stair: Vec<f64> = (0..400).map(|k| f64::from(k / 10 % 7) * 100.0).collect();
         assert_eq!(step([stair.as_slice()].into_iter(), false), None);
         let counter: Vec<f64> = (0..400).map(|k| cut(300.0 * (f64::from(k) / 60.0).sin(), 0.5)).collect();
         assert!((step([counter.as_slice()].into_iter(), false).unwrap() - 0.5).abs() < 1e-9);
-        // A smooth ramp in full digits.
+        // Smooth ramp in full digits.
         let ramp: Vec<f64> = (0..400).map(|k| (f64::from(k) / 71.0).exp()).collect();
         assert_eq!(step([ramp.as_slice()].into_iter(), false), None);
     }

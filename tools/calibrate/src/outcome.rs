@@ -1,20 +1,20 @@
-//! What closing the loop has come to: everything that a report says, as data.
+//! Result of a close-loop run as data: everything that a report contains.
 
 use crate::experiment::Role;
 use physics::terms::{GenericTerm, Port};
 
-/// What the data says of the model.
+/// Conclusion about the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// An effect, or up to three, that no other explains as well.
+    /// One to three listed effects explain the data; no other effect explains it as well.
     Named,
-    /// Two or three effects that this data cannot tell apart.
+    /// Two or three effects that this data cannot distinguish.
     Class,
-    /// Something at a port that follows a driver and is in no list.
+    /// A dependence on a driver at a port that matches no listed effect.
     Unexplained,
-    /// The model with other parameters explains all that there is.
+    /// The model with refitted parameters explains the data to within noise.
     Nothing,
-    /// Parameters alone were fitted, and nothing was looked for.
+    /// Only parameters were fitted; no search for effects was made.
     Fitted,
 }
 
@@ -31,16 +31,16 @@ impl Verdict {
     }
 }
 
-/// A number with what is known of it.
+/// Estimated value with its interval.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// Full name of the parameter; of a term's own number, its symbol (`exponent`, `coefficient`).
+    /// Full name of the parameter; for a number of a term its symbol (`exponent`, `coefficient`).
     pub name: String,
     /// The value.
     pub value: f64,
     /// Its 95 % interval.
     pub ci95: (f64, f64),
-    /// The value before: the preset's; 0 for an effect.
+    /// Value before the fit: the preset's; 0 for an effect.
     pub prior: f64,
     /// Its unit.
     pub unit: &'static str,
@@ -48,47 +48,47 @@ pub struct Estimate {
 
 pub use physics::effects::Follows;
 
-/// An effect, or a term of no list, that the model was given.
+/// Effect of the list, or unlisted term, that was added to the model.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// Id of the effect; `generic_term` for a term of no list.
     pub id: String,
-    /// Where it acts.
+    /// Port at which it acts.
     pub port: Port,
-    /// What it follows.
+    /// Driver on which it depends.
     pub follows: Follows,
-    /// Ids of effects that explain the data as well.
+    /// Ids of effects that explain the data equally well.
     pub alternatives: Vec<String>,
     /// Files of the runs in which it acts.
     pub runs: Vec<String>,
     /// Whether it acts in every run.
     pub everywhere: bool,
-    /// Its numbers; an effect's own by symbol (`k`), not by full name.
+    /// Its parameters; those of an effect by symbol (`k`), not by full name.
     pub parameters: Vec<Estimate>,
-    /// The law as data, where it is in no list.
+    /// The law as data, for an unlisted term.
     pub term: Option<GenericTerm>,
-    /// The further run that would tell it from its alternatives, with what each would show.
+    /// Further run that would distinguish it from its alternatives, with the predictions of each.
     pub separating_experiment: Option<String>,
-    /// By how much BIC falls with it, noise taken as white.
+    /// Reduction of BIC by it, for white noise.
     pub delta_bic: f64,
-    /// The same with the noise's own memory.
+    /// Reduction of BIC by it, allowing for autocorrelated noise.
     pub delta_bic_whitened: f64,
-    /// Error on the validation runs with it over that without; `None` without such runs.
+    /// Ratio of validation error with it to validation error without it; `None` without validation runs.
     pub validation_ratio: Option<f64>,
-    /// Greatest power or equivalent that it moves in the runs, with its unit, and the range of its driver.
+    /// Greatest power (or quantity of the port) that it contributes in the runs, with unit, and the range of its driver.
     pub magnitude: String,
 }
 
-/// Something at a port that no effect explains.
+/// Structured residual at a port that no effect explains.
 #[derive(Clone, Debug)]
 pub struct Unexplained {
-    /// Where.
+    /// Port.
     pub port: Port,
-    /// What it follows.
+    /// Driver on which it depends.
     pub follows: Follows,
     /// Its shape over the driver: driver, value, standard deviation, in SI units.
     pub shape: Vec<(f64, f64, f64)>,
-    /// Whether the model was given it, because that improves what was not fitted.
+    /// Whether it was added to the model, because it reduces the validation error.
     pub added: bool,
 }
 
@@ -99,15 +99,15 @@ pub struct ChannelError {
     pub role: Role,
     /// The column.
     pub column: &'static str,
-    /// Of the untouched preset.
+    /// Error of the unmodified preset.
     pub before: f64,
-    /// Of the naive fit of parameters.
+    /// Error of the parameter fit without added effects.
     pub refit: f64,
-    /// Of the repaired model.
+    /// Error of the repaired model.
     pub after: f64,
-    /// Of the noise: what a perfect model would leave.
+    /// Error due to noise alone: that of a perfect model.
     pub floor: f64,
-    /// Of the black box of this channel, where there was time for one.
+    /// Error of the black box of this channel; `None` if the time budget did not allow one.
     pub blackbox: Option<f64>,
     /// 95 % prediction interval of the repaired model.
     pub prediction: Prediction,
@@ -116,69 +116,69 @@ pub struct ChannelError {
 /// 95 % prediction intervals of one output over the readings of one role.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
-    /// Root mean square of half their widths, in the channel's unit.
+    /// Root mean square of the half widths, in the channel's unit.
     pub half_width: f64,
-    /// Fraction of the readings inside.
+    /// Fraction of the readings inside the interval.
     pub inside: f64,
 }
 
-/// The black box of a channel.
+/// Black-box model of a channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlackBox {
     /// The column.
     pub column: &'static str,
-    /// What it is, in words.
+    /// Description of its structure.
     pub kind: String,
-    /// Its errors (RMSE) in SI units, by role; none of a role without readings.
+    /// Its errors (RMSE) in SI units, by role; roles without readings are left out.
     pub errors: Vec<(Role, f64)>,
 }
 
-/// A candidate that was looked at, and what became of it.
+/// Candidate that was tested, with the result of the test.
 #[derive(Clone, Debug)]
 pub struct Evidence {
-    /// Round: 1 for the first effect that is looked for.
+    /// Round of the stepwise selection: 1 for the first effect.
     pub round: usize,
     /// Id of the effect, or port, driver and shape.
     pub name: String,
-    /// Where it acts.
+    /// Port at which it acts.
     pub port: Port,
-    /// By how much BIC falls, noise taken as white.
+    /// Reduction of BIC by it, for white noise.
     pub delta_bic: f64,
-    /// The same with the noise's own memory.
+    /// Reduction of BIC by it, allowing for autocorrelated noise.
     pub delta_bic_whitened: f64,
-    /// Error on the validation runs with it over that without.
+    /// Ratio of validation error with it to validation error without it.
     pub validation_ratio: Option<f64>,
-    /// Whether it was taken.
+    /// Whether it was accepted.
     pub accepted: bool,
-    /// Why, in one sentence.
+    /// Reason, in one sentence.
     pub reason: String,
 }
 
-/// How much of the residual a free force at a port would explain.
+/// Fraction of the residual that a latent input at a port explains.
 #[derive(Clone, Debug)]
 pub struct Localised {
     /// The port.
     pub port: Port,
-    /// The share of the residual's excess over noise, 0 to 1.
+    /// Fraction of the residual's mean square in excess of noise, 0 to 1.
     pub share: f64,
-    /// The driver that the force follows best.
+    /// Driver with which the latent input correlates best.
     pub follows: Follows,
 }
 
-/// Whether what a model leaves is noise, for one output.
+/// Test for white residuals of one output.
 #[derive(Clone, Debug)]
 pub struct Whiteness {
     /// The column.
     pub column: &'static str,
-    /// Mean square of block means over what noise alone gives: 1 where the residual is white.
+    /// Mean square of block means divided by its value for white noise; fit without added effects. 1 if the residual is white.
     pub blocks_refit: f64,
-    /// The same of the repaired model.
+    /// The same ratio for the repaired model.
     pub blocks_after: f64,
-    /// Correlation of neighbouring rows, refit and repaired.
+    /// Autocorrelation at lag one row: fit without added effects, repaired model.
     pub autocorrelation: (f64, f64),
 }
 
-/// The smallest size of an effect that this data would have shown.
+/// Detection limit: smallest size of an effect that this data would have revealed.
 #[derive(Clone, Debug)]
 pub struct Limit {
     /// Id of the effect.
@@ -191,53 +191,52 @@ pub struct Limit {
     pub unit: &'static str,
 }
 
-/// One run with what was measured and what the models say, thinned for plots. Temperatures in degC.
+/// One run with readings and predictions of the models, thinned for plots. Temperatures in degC.
 #[derive(Clone, Debug)]
 pub struct Curves {
     /// Its file.
     pub file: String,
     /// Its role.
     pub role: Role,
-    /// The rows that count: from and to, s.
+    /// Evaluated time window: from and to, s.
     pub window: Option<(f64, f64)>,
     /// Times, s.
     pub time: Vec<f64>,
-    /// One for each output.
+    /// One curve for each output.
     pub outputs: Vec<Curve>,
 }
 
-/// One output of one run. NaN where nothing was measured.
+/// One output of one run. NaN where there is no reading.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// The column.
     pub column: &'static str,
-    /// As measured.
+    /// Readings.
     pub measured: Vec<f64>,
-    /// By the untouched preset.
+    /// Prediction of the unmodified preset.
     pub before: Vec<f64>,
-    /// By the naive fit.
+    /// Prediction of the fit without added effects.
     pub refit: Vec<f64>,
-    /// By the repaired model.
+    /// Prediction of the repaired model.
     pub after: Vec<f64>,
-    /// Half the width of its 95 % prediction interval.
+    /// Half width of the repaired model's 95 % prediction interval.
     pub half_width: Vec<f64>,
 }
 
-/// The model as it must be set for one run.
+/// Settings of the model for one run.
 #[derive(Clone, Debug)]
 pub struct Setting {
     /// The run's file.
     pub file: String,
     /// Its role.
     pub role: Role,
-    /// Every value that differs from the model's own start values: full name and number. Initial temperatures that were measured are
-    /// among them.
+    /// All values that differ from the model's start values: full name and number. Includes measured initial temperatures.
     pub values: Vec<(String, f64)>,
-    /// Terms.
+    /// Added terms.
     pub terms: Vec<GenericTerm>,
 }
 
-/// What closing the loop has come to.
+/// Result of a close-loop run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The experiment's name.
@@ -246,41 +245,41 @@ pub struct Outcome {
     pub model: &'static str,
     /// The verdict.
     pub verdict: Verdict,
-    /// What was found, strongest first.
+    /// Effects found, strongest first.
     pub effects: Vec<Found>,
-    /// What has no name.
+    /// Structured residual that no effect explains.
     pub unexplained: Option<Unexplained>,
     /// Declared parameters of the repaired model.
     pub parameters: Vec<Estimate>,
-    /// Declared parameters of the naive fit.
+    /// Declared parameters of the fit without added effects.
     pub refit: Vec<Estimate>,
-    /// The unknowns of single runs, with the file.
+    /// Unknowns of single runs, with the file.
     pub of_runs: Vec<(String, Estimate)>,
-    /// Pairs of declared parameters that the data hardly separates, with their correlation.
+    /// Pairs of declared parameters with highly correlated estimates, with their correlation.
     pub correlated: Vec<(String, String, f64)>,
     /// Errors by role and output.
     pub errors: Vec<ChannelError>,
-    /// Where the residual sits.
+    /// Fraction of the residual explained at each port.
     pub localised: Vec<Localised>,
-    /// What was tried, in order.
+    /// Tested candidates, in order.
     pub candidate_table: Vec<Evidence>,
-    /// Whether what is left is noise.
+    /// Tests for white residuals.
     pub whiteness: Vec<Whiteness>,
-    /// What would have been seen.
+    /// Detection limits.
     pub limits: Vec<Limit>,
     /// Runs for plots.
     pub curves: Vec<Curves>,
     /// The repaired model, run by run, in the experiment's order.
     pub settings: Vec<Setting>,
-    /// The repaired model as it goes into the archives: as in the test runs, else as in the last run.
+    /// The repaired model for export: settings of the test runs, otherwise those of the last run.
     pub export: Setting,
-    /// What is odd but no error.
+    /// Warnings and remarks.
     pub notes: Vec<String>,
-    /// Runs in which the repaired model reaches a limit of validity, and why.
+    /// Runs in which the repaired model reaches a limit of validity, with the reason.
     pub endings: Vec<String>,
     /// Whether the time budget ended the search.
     pub is_cut: bool,
-    /// The black boxes beside it.
+    /// Black-box models for comparison.
     pub boxes: Vec<BlackBox>,
     /// Wall time, s.
     pub seconds: f64,

@@ -1,15 +1,16 @@
-//! What a model may lack, by how much each would explain: effects of the list, and forces at every port.
+//! Candidates for the missing effect, ranked by evidence: effects of the list, and latent inputs at every port.
 //!
-//! | what is tried | numbers |
+//! | candidate | parameters |
 //! |---|---|
 //! | an effect of the list, in all runs or in some | size |
-//! | at every port a smooth shape over every driver | as many as the data wants, [`Evidence::shape`](crate::evidence) |
-//! | at every port a power of every driver | coefficient, exponent |
-//! | at every port a force that is free in time | as many as the data wants |
-//! | at the ports that those single out: laws over a first-order lag of a driver or of a heat flow | as for a power or a shape, time constant |
-//! | at the ports that those single out: what latches, switches with hysteresis, comes and goes | size and threshold, width or period |
+//! | at every port a smooth function of every driver | as many as the evidence supports, [`Evidence::shape`](crate::evidence) |
+//! | at every port a power law of every driver | coefficient, exponent |
+//! | at every port a latent input (unconstrained in time) | as many as the evidence supports |
+//! | at the ports selected by these: laws over a first-order lag of a driver or of a heat flow | as for a power or a shape, time constant
+//! |
+//! | at the ports selected by these: latching, hysteresis switching, intermittent action | size and threshold, width or period |
 //!
-//! Everything is compared by the fall of the evidence's cost less ln n for each number (Schwarz), n the blocks.
+//! Candidates are compared by the reduction of the evidence's cost minus ln n for each parameter (BIC, Schwarz), n the number of blocks.
 
 mod hidden;
 mod memory_terms;
@@ -30,47 +31,47 @@ use physics::terms::{Driver, Drivers, Factor, Port};
 use rayon::prelude::*;
 pub use structure::structure;
 
-/// Points of a smooth shape over a driver.
+/// Knots of a smooth function of a driver.
 const KNOTS: usize = 7;
-/// Times over a run that are tried for a step, before those near the best.
+/// Times per run at which a step change is tried before refining near the best one.
 const TIMES: usize = 60;
-/// A driver that moves by less than this share of its size has no shape to show.
+/// A driver whose variation is less than this fraction of its size cannot determine a shape.
 const STILL: f64 = 0.01;
-/// Share of what a heat of the housing explains from which on a conductance explains it as well.
+/// A conductance is preferred if it explains at least this fraction of what a heat at the housing explains.
 const LEAVES: f64 = 0.9;
-/// Shapes for which powers are tried: the best.
+/// Number of best shapes for which power laws are tried.
 const LIKELY: usize = 16;
 /// Exponents that are tried.
 const EXPONENTS: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
 
-/// Something that a model may lack, with what it would explain.
+/// Candidate for a missing effect, with its evidence.
 #[derive(Clone, Debug)]
 pub struct Scored {
-    /// As it would be added, with its numbers to first order; `None` for what no addition can carry.
+    /// Addition to the model, its parameters estimated to first order; `None` if it cannot be added (latent input, law over time).
     pub addition: Option<Addition>,
-    /// What it is, in words.
+    /// Description.
     pub name: String,
-    /// Where it acts.
+    /// Port at which it acts.
     pub port: Port,
-    /// What it follows.
+    /// Driver on which it depends.
     pub follows: Follows,
-    /// Whether it stands in the list.
+    /// Whether it is an effect of the list.
     pub listed: bool,
-    /// Fall of the cost less ln n for each number, with the noise's own memory.
+    /// Reduction of the cost minus ln n for each parameter, allowing for autocorrelated noise.
     pub evidence: f64,
     /// The same for white noise.
     pub raw: f64,
-    /// The numbers' shape: driver and value, with its deviation.
+    /// Estimated shape: driver, value, standard deviation.
     pub shape: Vec<(f64, f64, f64)>,
 }
 
 impl Scored {
-    /// Whether it is a force that is free in time.
+    /// Whether it is a latent input.
     pub fn is_free(&self) -> bool {
         self.name.ends_with(FREE)
     }
 
-    /// Whether its shape falls with its driver, as a whole; a power's coefficient stands alone.
+    /// Whether its shape decreases with its driver overall; for a power law, whether its coefficient is negative.
     fn falls(&self) -> bool {
         let middle = self.shape.iter().map(|(x, ..)| x).sum::<f64>() / self.shape.len() as f64;
         match self.shape[..] {
@@ -79,18 +80,18 @@ impl Scored {
         }
     }
 
-    /// What speaks for it whichever way the noise is taken.
+    /// Evidence under the less favourable of the two noise models.
     pub fn sure(&self) -> f64 {
         self.evidence.min(self.raw)
     }
 }
 
-/// What a choice among all ports and drivers costs, beside the numbers: as each is as likely, -2 ln p.
+/// Penalty for the choice among all ports and drivers, each equally probable: -2 ln p.
 pub fn choice() -> f64 {
     2.0 * ((Port::ALL.len() * Driver::ALL.iter().filter(|d| !d.is_heat()).count()) as f64).ln()
 }
 
-/// The runs' values of a driver: least, greatest, and points between that hold as many rows each.
+/// Knots over a driver's values in the runs: least, greatest, and points between.
 fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
     let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
     values.sort_by(f64::total_cmp);
@@ -106,7 +107,7 @@ fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
     let mut all: Vec<f64> = Vec::new();
     for k in 0..KNOTS {
         let share = k as f64 / (KNOTS - 1) as f64;
-        // Half by rows, half by span: points where the data is, but no two alike.
+        // Half by rows, half by span: knots where data is dense, without coincident knots.
         let by_rows = values[((values.len() - 1) as f64 * share) as usize];
         let x = 0.5 * by_rows + 0.5 * (least + span * share);
         if all.last().is_none_or(|last| x - last > 0.02 * span) {
@@ -116,13 +117,13 @@ fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
     Some(all)
 }
 
-/// Covariance of a shape's numbers: near points are alike.
+/// Prior covariance of a shape's values: those of neighbouring knots are correlated.
 fn alike(knots: &[f64]) -> DMatrix<f64> {
     let span = knots[knots.len() - 1] - knots[0];
     DMatrix::from_fn(knots.len(), knots.len(), |a, b| (-(knots[a] - knots[b]).abs() / span).exp())
 }
 
-/// Zero and usual size of a driver.
+/// Offset and reference value of a driver.
 fn scale(point: &Linearization, driver: Driver) -> Factor {
     let offset = match driver {
         Driver::WindingTemperature | Driver::HousingTemperature => 298.15,
@@ -133,7 +134,7 @@ fn scale(point: &Linearization, driver: Driver) -> Factor {
     Factor { driver, offset, reference: most.max(1e-9), exponent: 1.0 }
 }
 
-/// Whether the bench tells a driver: a load that is imposed, a temperature of a node that has a sensor.
+/// Whether the driver is measured: a load that is imposed, a temperature of a node that has a sensor.
 fn is_known(point: &Linearization, driver: Driver) -> bool {
     let has_sensor = || Channel::reading(driver).is_none_or(|c| point.is_read(c));
     match driver {
@@ -143,7 +144,7 @@ fn is_known(point: &Linearization, driver: Driver) -> bool {
     }
 }
 
-/// Everything that a model may lack at a point, the one with the most evidence first.
+/// All candidates at a point, in order of decreasing evidence.
 pub fn search(point: &Linearization) -> Vec<Scored> {
     let per_number = point.per_number();
     let mut all = listed(point, per_number);
@@ -151,7 +152,7 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
         .iter()
         .flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d)))
         .filter(|(_, driver)| *driver != Driver::LoadTorque || point.setup.has_load())
-        // No term follows a heat flow without a lag.
+        // A term can depend on a heat flow only through a lag.
         .filter(|(_, driver)| !driver.is_heat())
         .collect();
     let mut shapes: Vec<(Port, Driver, Scored)> = jobs
@@ -159,7 +160,7 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
         .filter_map(|(port, driver)| Some((*port, *driver, smooth(point, *port, *driver, per_number)?)))
         .collect();
     shapes.sort_by(|a, b| b.2.evidence.total_cmp(&a.2.evidence));
-    // A power is a shape as well: where no shape explains much, none does.
+    // A power law is also a smooth shape: if no shape explains much, no power law does.
     let likely = &shapes[..shapes.len().min(LIKELY)];
     all.par_extend(
         likely
@@ -180,8 +181,9 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
     all
 }
 
-/// A heat of the housing that falls as it warms is heat that leaves: where a conductance to the air explains nearly as much over the
-/// same driver, it is that.
+/// A heat at the housing that decreases with its temperature is a heat loss: if a conductance to ambient over the same driver explains
+/// nearly
+/// as much, the conductance is preferred.
 fn leave_to_the_air(all: &mut Vec<Scored>) {
     let temperature = [Driver::HousingTemperature, Driver::WindingTemperature].map(Follows::Driver);
     let law = |s: &Scored, port: Port| s.port == port && !s.listed && temperature.contains(&s.follows);
@@ -215,18 +217,18 @@ fn listed(point: &Linearization, per_number: f64) -> Vec<Scored> {
                     let gain = point.evidence.gain(&point.listed_column(k, &pattern)?)?;
                     let partly = pattern.iter().any(|on| !on);
                     let base = point.base(addition);
-                    // What is declared to act everywhere may act otherwise in some runs.
+                    // An effect that is declared to act everywhere may have another size in some runs.
                     if (base != 0.0 && !partly) || !within(base + gain.size[0], addition.numbers[0].limits) {
                         return None;
                     }
                     let mut addition = addition.clone();
                     addition.numbers[0].value = base + gain.size[0];
                     if partly {
-                        // Runs that are not looked at: as if it were not there, until they are.
+                        // The effect is inactive in runs outside the fit until they are evaluated.
                         addition.active.fill(false);
                         point.runs.iter().zip(&pattern).for_each(|(run, on)| addition.active[*run] = *on);
                     }
-                    // Which runs, out of so many: a choice costs as its number of answers.
+                    // Penalty for the choice of runs: 2 ln of the number of choices.
                     let choice = if partly { 2.0 * (everywhere as f64).ln() } else { 0.0 };
                     let name =
                         if partly { format!("{} in some runs", listed.id) } else { listed.id.to_string() };
@@ -253,13 +255,13 @@ fn listed(point: &Linearization, per_number: f64) -> Vec<Scored> {
     all
 }
 
-/// An effect of the list, with the size that it would have.
+/// Candidate of the list, with its estimated size.
 fn named(listed: &Listed, name: String, addition: Addition, gain: &Gain, cost: f64) -> Scored {
     let found = scored(name, listed.port, listed.follows, gain, cost, &[0.0]);
     Scored { addition: Some(addition), listed: true, ..found }
 }
 
-/// A step at a time that is tried: first all over the clock, then at every row near the best.
+/// Step change: its time is tried on a grid over all runs, then at every row near the best.
 fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain)> {
     let clock = |r: usize, row: usize| point.setup.drives[point.runs[r]].time[row];
     let best = |times: Vec<f64>| -> Vec<(f64, Gain)> {
@@ -292,7 +294,7 @@ fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain
     let (at, gain) = if fine.is_empty() { coarse.into_iter().next()? } else { fine.swap_remove(0) };
     addition.numbers[0].value = gain.size[0];
     addition.numbers[1].value = at;
-    // Half of what is likely, at least one row: the interval of a time that no slope finds.
+    // Half the range of likely times, at least one row: interval of a time, for which there is no derivative.
     let (least, most) = likely.iter().fold((at, at), |(a, b), t| (a.min(*t), b.max(*t)));
     let row =
         point.setup.drives[point.runs[0]].time.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
@@ -300,7 +302,7 @@ fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain
     Some((addition, gain))
 }
 
-/// Sizes that are tried for an effect with a store of its own: to the answer of each, a size to first order.
+/// Effect with a heat capacity of its own: trial sizes; for the response to each, the size to first order.
 fn store(point: &Linearization, addition: Addition) -> Option<(Addition, Gain)> {
     let declaration = point.setup.bench.declaration();
     let of = |name: &str| {
@@ -313,7 +315,7 @@ fn store(point: &Linearization, addition: Addition) -> Option<(Addition, Gain)> 
     let trials: Vec<Vec<f64>> = match addition.numbers.len() {
         1 => [10.0, 30.0, 90.0].iter().map(|tau| vec![*tau]).collect(),
         _ => {
-            // Shares of what stands on either side of the new node.
+            // Fractions of the capacity and resistance on either side of the new node.
             let (capacity, resistance) = (of("thermal.C_h")?, of("thermal.R_wh")?);
             [(0.15, 0.5), (0.15, 1.5), (0.4, 0.5), (0.4, 1.5)]
                 .iter()
@@ -327,7 +329,7 @@ fn store(point: &Linearization, addition: Addition) -> Option<(Addition, Gain)> 
             let mut trial = addition.clone();
             trial.numbers.iter_mut().zip(values).for_each(|(n, v)| n.value = *v);
             let gain = point.evidence.gain(&point.simulated_column(&trial)?)?;
-            // The size is the share of the trial that the data wants.
+            // The estimated size is relative to the trial.
             (gain.size[0] > 0.1).then_some((trial, gain))
         })
         .collect();
@@ -366,7 +368,7 @@ fn smooth(point: &Linearization, port: Port, driver: Driver, per_number: f64) ->
         sloped: true,
     };
     let numbers: Vec<Number> = knots.iter().enumerate().map(number).collect();
-    // What happened at a time of these runs says nothing of another run: a law over time cannot be added.
+    // A law over time in these runs does not carry over to other runs, so it cannot be added.
     found.addition = (driver != Driver::Time).then(|| Addition {
         id: "generic_term".to_string(),
         port,
@@ -386,7 +388,7 @@ fn powers(point: &Linearization, port: Port, driver: Driver, per_number: f64) ->
     let of = |exponent: f64| {
         let value = |d: &Drivers| if hidden(d) { 0.0 } else { power(&factor, d.of(driver), exponent) };
         let gain = point.evidence.gain(&point.port_columns(port, 1, |_, _, _, d| value(d))?)?;
-        // A drag or a drop that drives is none.
+        // A drag or a voltage drop with negative coefficient would be a source and is not physical.
         let physical = !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;
         physical.then_some((exponent, gain))
     };

@@ -1,4 +1,4 @@
-//! An experiment, ready to be asked: the bench, the runs, what may be fitted, the noise.
+//! Prepared experiment: bench, runs, parameters to fit, noise.
 
 use crate::CalibrateError;
 use crate::deadline::Deadline;
@@ -13,104 +13,105 @@ use physics::terms::Drivers;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
-/// How coarse the many simulations of a search may be. Measured on the public sets: seven times faster, and 0.03 mK off at
-/// most.
+/// Relaxation of the integration tolerance for the many simulations of a search. Measured on the public sets: seven times faster, at most
+/// 0.03 mK error.
 pub const EASE: f64 = 100.0;
-/// Relative standard deviations of priors from which on a parameter is limited by them, and from which on it may be none.
+/// Relative standard deviation of the prior above which a parameter counts as free; below it the prior limits the parameter.
 pub const WIDE: f64 = 0.3;
 const HARDLY: f64 = 5.0;
-/// Deviations of its logarithm that it may be off.
+/// Limits of a positive parameter: standard deviations of its logarithm from the prior.
 const FAR: f64 = 10.0;
-/// Blocks of a run, for each output: a residual is looked at in means over this share of it.
+/// Blocks of a run, for each output: residuals are averaged over this fraction of a run.
 const BLOCKS: usize = 400;
-/// A parameter further than this from its prior, in its deviations, stands in for something else.
+/// A parameter further than this from its prior, in standard deviations, compensates for another effect.
 const ASTRAY: f64 = 2.5;
 
-/// A declared parameter that may differ from specimen to specimen.
+/// Declared parameter, which may vary from specimen to specimen.
 #[derive(Clone, Debug)]
 pub struct Declared {
-    /// Its name; of an unknown of one run with its file.
+    /// Its name; for an unknown of one run, with the file.
     pub name: String,
-    /// The runs in which it acts, where it is an unknown of one file alone.
+    /// The runs in which it applies, if it is an unknown of one file only.
     pub runs: Option<Vec<usize>>,
-    /// Its place in the model.
+    /// Its slot in the model.
     pub slot: Slot,
     /// The preset's value.
     pub prior: f64,
     /// Standard deviation of its prior.
     pub deviation: f64,
-    /// What it may be.
+    /// Limits of its value.
     pub limits: (f64, f64),
     /// Its unit.
     pub unit: &'static str,
-    /// Whether its prior does not count: of one that can be wrong by a factor, no value of the preset contradicts the data.
+    /// Whether the prior is ignored: for a parameter uncertain by a factor, no deviation from the preset contradicts the data.
     pub is_free: bool,
 }
 
 impl Declared {
-    /// Whether it acts in a run.
+    /// Whether it applies in a run.
     pub fn acts_in(&self, run: usize) -> bool {
         self.runs.as_ref().is_none_or(|runs| runs.contains(&run))
     }
 
-    /// Whether a value is so far from the prior that it stands in for something else.
+    /// Whether a value is so far from the prior that it compensates for another effect.
     pub fn astray(&self, value: f64) -> bool {
         (value - self.prior).abs() > ASTRAY * self.deviation
     }
 }
 
-/// Neighbouring rows of one output, taken together.
+/// Neighbouring rows of one output, averaged as a block.
 #[derive(Clone, Debug)]
 pub struct Block {
     /// The output.
     pub output: usize,
-    /// The rows that were measured and count.
+    /// The rows with readings inside the window.
     pub rows: Vec<u32>,
-    /// Time of its middle, s.
+    /// Time at its centre, s.
     pub time: f64,
 }
 
-/// An experiment, ready to be asked.
+/// Prepared experiment.
 #[derive(Clone)]
 pub struct Setup<'a> {
-    /// What was measured.
+    /// The measured data.
     pub experiment: &'a Experiment,
-    /// The model, at the experiment's start values.
+    /// The model with the experiment's start values.
     pub bench: Arc<Bench>,
-    /// The runs' inputs.
+    /// The inputs of the runs as measured.
     pub drives: Arc<Vec<Drive>>,
-    /// The same without the inputs' noise: along these the model is linearised. A slope that trembles with the very noise that
-    /// the residual holds would find effects in it.
+    /// The inputs with their noise smoothed out; the model is linearised along these. Sensitivities with the same noise as the residual
+    /// would
+    /// produce spurious effects.
     pub smooth: Arc<Vec<Drive>>,
-    /// Those that simulations follow: the smooth ones while searching, since a reading that trembles with its input would be
-    /// explained best by whatever makes the model deaf to it; as measured for what is reported.
+    /// The inputs used in simulations. Smoothed during the search: with noisy inputs, candidates that make the model less sensitive to the
+    /// input would be preferred. As measured for reported results.
     pub driven: Arc<Vec<Drive>>,
-    /// What may be fitted.
+    /// Parameters that may be fitted.
     pub declared: Vec<Declared>,
     /// Standard deviations of the noise: inputs, then outputs.
     pub noise: Vec<f64>,
-    /// The part of the outputs' noise that is disagreement between runs; empty without.
+    /// Part of the outputs' noise due to disagreement between runs; empty if there is none.
     pub between: Vec<f64>,
-    /// Inputs whose noise the stores of heat remember, so that it shows in neighbouring rows alike.
+    /// Inputs whose noise is stored in heat capacities and therefore correlates between neighbouring rows.
     pub remembered: Vec<usize>,
-    /// Where the naive fit stands at the rows of the runs that are fitted: what is looked for over a driver is looked for there.
+    /// Drivers predicted by the fit without added effects at the rows of the fit runs; they set the range of each driver in the search.
     pub reached: Arc<Vec<Drivers>>,
-    /// Directions of the structure error along the fit runs, as the first fit that is looked at has them.
+    /// Directions of the structure error along the fit runs, linearised at the first fit that is evaluated.
     pub structure: Arc<OnceLock<DMatrix<f64>>>,
-    /// From and to of the rows that count, run by run, s.
+    /// Time window of each run: from and to, s.
     pub windows: Vec<(f64, f64)>,
     /// Blocks of each run.
     pub blocks: Vec<Vec<Block>>,
 }
 
-/// What a model shows at every row of a run: rows times outputs, in SI units.
+/// Outputs predicted at every row of a run: rows times outputs, in SI units.
 pub type Shown = Vec<f64>;
 
 impl<'a> Setup<'a> {
-    /// The setup of an experiment; `preset` are the start values of its preset, by value reference.
+    /// Prepares an experiment; `preset` are the start values of its preset, by value reference.
     ///
     /// # Errors
-    /// A run that the model cannot be driven with.
+    /// A run for which the model's inputs are incomplete.
     pub fn new(experiment: &'a Experiment, preset: &[(u32, f64)]) -> Result<Setup<'a>, CalibrateError> {
         let mut bench = Bench::new(experiment, preset)?;
         bench.ease = EASE;
@@ -129,7 +130,7 @@ impl<'a> Setup<'a> {
             let prior = set.unwrap_or_else(|| bench.start_of(entry.slot));
             let deviation = p.deviation.of(prior, entry.row.nominal);
             let mut limits = (entry.row.min, entry.row.max);
-            // Of what cannot be zero, ten deviations of its logarithm: less is no capacity of a motor.
+            // Lower limit of a positive parameter: ten standard deviations of its logarithm, below any plausible capacity of a motor.
             let relative = deviation / prior.abs();
             if prior > 0.0 && limits.0 > 0.0 && relative > WIDE && relative < HARDLY {
                 let factor = (1.0 + relative).powf(FAR);
@@ -175,7 +176,7 @@ impl<'a> Setup<'a> {
         })
     }
 
-    /// The same at the model's own accuracy, with the inputs as measured.
+    /// Copy at the model's default accuracy, with the inputs as measured.
     pub fn exact(&self) -> Setup<'a> {
         let mut bench = Bench::clone(&self.bench);
         bench.ease = 1.0;
@@ -184,18 +185,18 @@ impl<'a> Setup<'a> {
         Setup { bench: Arc::new(bench), driven: Arc::clone(&self.drives), ..self.clone() }
     }
 
-    /// The same, given up at a deadline.
+    /// Copy with a deadline for its simulations.
     pub fn until(mut self, deadline: Deadline) -> Setup<'a> {
         Arc::make_mut(&mut self.bench).deadline = deadline;
         self
     }
 
-    /// When this is given up.
+    /// Deadline of the simulations.
     pub fn deadline(&self) -> &Deadline {
         &self.bench.deadline
     }
 
-    /// The same with other rows of a run counting.
+    /// Copy with another time window for a run.
     pub fn with_window(&self, run: usize, window: (f64, f64)) -> Setup<'a> {
         let mut other = self.clone();
         other.windows[run] = window;
@@ -203,7 +204,7 @@ impl<'a> Setup<'a> {
         other
     }
 
-    /// From and to of the rows of a run that count and were measured, s; `None` without any.
+    /// First and last time of a run's readings inside its window, s; `None` without any.
     pub fn counted(&self, run: usize) -> Option<(f64, f64)> {
         let time = &self.drives[run].time;
         let mut ends: Option<(f64, f64)> = None;
@@ -214,7 +215,7 @@ impl<'a> Setup<'a> {
         ends
     }
 
-    /// Whether the load is an input. Where the shaft is turned instead, its torque is the current over again.
+    /// Whether the load is an input. If the speed is imposed instead, torque carries the same information as current.
     pub fn has_load(&self) -> bool {
         self.experiment.inputs.iter().any(|c| c.input == Some("load_torque"))
     }
@@ -246,18 +247,18 @@ impl<'a> Setup<'a> {
         self.experiment.of_role(role)
     }
 
-    /// The fitted run of the same file as a run: the same file has the same effects, whatever rows are asked for.
+    /// Fit run of the same file as a run: an effect acts in a whole file, for every window.
     pub fn fitted_with(&self, run: usize) -> Option<usize> {
         let file = |run: usize| &self.experiment.runs[run].file;
         self.runs(Role::Fit).into_iter().find(|r| file(*r) == file(run))
     }
 
-    /// The preset, untouched.
+    /// The unmodified preset.
     pub fn preset(&self) -> Hypothesis {
         Hypothesis { declared: self.declared.iter().map(|d| d.prior).collect(), additions: Vec::new() }
     }
 
-    /// The change that a hypothesis makes in a run.
+    /// Parameter overrides of a hypothesis in a run.
     pub fn change(&self, hypothesis: &Hypothesis, run: usize) -> Override {
         let mut change = Override::default();
         let declared = self.declared.iter().zip(&hypothesis.declared).filter(|(d, _)| d.acts_in(run));
@@ -266,7 +267,7 @@ impl<'a> Setup<'a> {
         change
     }
 
-    /// The same without the unknowns of that run alone: as another run would have it.
+    /// The same without the unknowns of that single run, as for another run.
     pub fn common_change(&self, hypothesis: &Hypothesis, run: usize) -> Override {
         let mut change = self.change(hypothesis, run);
         change.values.retain(|(slot, _)| {
@@ -278,10 +279,10 @@ impl<'a> Setup<'a> {
         change
     }
 
-    /// What the model shows in each of these runs.
+    /// Outputs predicted in each of these runs.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The message of the model if it cannot be run.
     pub fn show(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Vec<Shown>, CalibrateError> {
         runs.par_iter()
             .map(|&run| {
@@ -292,7 +293,7 @@ impl<'a> Setup<'a> {
             .collect()
     }
 
-    /// Measured minus shown in every counted row of a run, with the output: called row by row.
+    /// Calls `tell` with row, output and residual (measured minus predicted) for each reading inside the window.
     pub fn each(&self, run: usize, shown: &Shown, mut tell: impl FnMut(usize, usize, f64)) {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
         let window = self.windows[run];
@@ -351,7 +352,7 @@ impl<'a> Setup<'a> {
         }));
     }
 
-    /// The same of the residual.
+    /// Block means of the residual, in units of their noise.
     pub fn residual(&self, run: usize, shown: &Shown, out: &mut Vec<f64>) {
         let mut off = vec![0.0; shown.len()];
         let m = self.outputs();
@@ -360,7 +361,7 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// The unknowns of one file alone, with its runs, where it is fitted: the others keep their values.
+/// Unknowns of single files, with their runs if these are fitted: other runs keep the prior value.
 fn of_one_run(experiment: &Experiment) -> Vec<(&Prior, Option<Vec<usize>>)> {
     let mut found: Vec<(&Prior, Option<Vec<usize>>)> = Vec::new();
     let mut known: Vec<(&str, &str)> = Vec::new();
@@ -406,7 +407,7 @@ mod tests {
     use super::*;
     use crate::testing;
 
-    /// 1000 rows make 334 blocks of three, of which the last has one; rows outside the window and blanks are in none.
+    /// 1000 rows make 334 blocks of three rows, the last of one row; rows outside the window and blanks belong to no block.
     #[test]
     fn blocks_hold_what_was_measured_and_counts() {
         let mut experiment = testing::experiment("", true);
@@ -415,7 +416,7 @@ mod tests {
         for column in &mut run.table.columns {
             *column = vec![300.0; 1000];
         }
-        // 20 blanks in the voltage, and the torque not at all.
+        // 20 blanks in the voltage; no torque readings.
         run.table.columns[4][100..120].fill(f64::NAN);
         run.table.columns[5].fill(f64::NAN);
         let all = (f64::NEG_INFINITY, f64::INFINITY);
@@ -437,7 +438,7 @@ mod tests {
         assert_eq!((part.len(), part[0].rows[0], part[199].rows[0]), (200, 100, 299));
     }
 
-    /// Of white noise, block means in units of their noise have variance 1, whatever the blocks' length.
+    /// For white noise, block means in units of their noise have variance 1 for any block length.
     #[test]
     fn means_of_white_noise_have_variance_one() {
         let experiment = testing::experiment("", true);

@@ -1,7 +1,8 @@
-//! The model over a run: inputs as measured, outputs at the rows.
+//! Simulation of a run: inputs as measured, outputs at the rows.
 //!
-//! Inputs run along lines between rows; a blank input runs on a line between its neighbours. The model is the native
-//! one, at the rows' own steps, which its integrator cuts where it must.
+//! Inputs are interpolated linearly between rows; a blank input is interpolated between its neighbours. The native model takes
+//! communication
+//! steps from row to row; its integrator uses substeps where needed.
 
 use crate::CalibrateError;
 use crate::deadline::Deadline;
@@ -10,57 +11,56 @@ use crate::initial::{self, Node};
 use crate::overrides::Override;
 use physics::model::{Declaration, Model, ModelType, Slot};
 
-/// A model with the start values of an experiment, ready to be run with other parameters.
+/// Model with the start values of an experiment, which can be run with other parameters.
 #[derive(Clone)]
 pub struct Bench {
-    /// By how much more than by default the model's steps may err: 1 where every digit counts.
+    /// Factor on the default integration tolerance: 1 for full accuracy.
     pub ease: f64,
-    /// Whether a run goes on beyond the limits of validity: a fit that starts far off would see nothing behind them.
+    /// Whether a run continues past the limits of validity: a fit with poor start values needs residuals there as well.
     pub lenient: bool,
-    /// When simulations are given up.
+    /// Deadline of the simulations.
     pub deadline: Deadline,
     kind: &'static ModelType,
-    /// Slots with the values that the preset and the experiment give.
+    /// Slots with the start values of preset and experiment.
     starts: Vec<(Slot, f64)>,
     inputs: Vec<Slot>,
     outputs: Vec<Slot>,
 }
 
-/// One run as the simulation takes it: every input known at every row.
+/// Simulation data of one run: a value of every input at every row.
 #[derive(Clone)]
 pub struct Drive {
     /// Time of each row, s.
     pub time: Vec<f64>,
     /// Inputs by row, in SI units.
     inputs: Vec<Vec<f64>>,
-    /// Start values that hold in this run alone.
+    /// Start values specific to this run.
     set: Vec<(Slot, f64)>,
-    /// Where the nodes start, if not at the ambient temperature: node, its place among the outputs, and its first
-    /// reading, K.
+    /// Nodes that do not start at the ambient temperature: node, index among the outputs, first reading in K.
     warm: Vec<(Node, usize, f64)>,
 }
 
 /// Rows on either side over which an input is smoothed.
 const REACH: usize = 6;
-/// Readings within this many deviations of the noise are alike.
+/// Readings that differ by less than this many standard deviations of the noise are averaged.
 const ALIKE: f64 = 4.0;
-/// Rows on either side over which the means of such rows are.
+/// Rows on either side for the second average.
 const FAR: usize = 48;
-/// A sensor indicates its first reading to this, K.
+/// Tolerance between a sensor's indicated initial temperature and its first reading, K.
 const SHOWN: f64 = 1e-9;
-/// Parameters that end a run; the lowest temperature is a lower limit.
+/// Parameters with limits that end a run; the lowest temperature is a lower limit.
 const VALIDITY: &str = "validity.";
 const LOWEST: &str = "validity.lowest_temperature";
-/// Rows from one look at the clock to the next.
+/// Rows between checks of the deadline.
 const ROWS_A_LOOK: usize = 16;
-/// Greatest number of starts until it does.
+/// Iteration limit for the initial temperatures.
 const TRIES: usize = 50;
 
 impl Bench {
-    /// The bench of an experiment; `preset` are the start values of its preset, by value reference.
+    /// Bench model of an experiment; `preset` are the start values of its preset, by value reference.
     ///
     /// # Errors
-    /// A run without ambient temperature where the experiment gives none.
+    /// A run without ambient temperature, if the experiment gives none.
     pub fn new(experiment: &Experiment, preset: &[(u32, f64)]) -> Result<Bench, CalibrateError> {
         let unknown = || CalibrateError(format!("{} is no model", experiment.model));
         let kind = physics::models::by_name(&experiment.model).ok_or_else(unknown)?;
@@ -74,7 +74,7 @@ impl Bench {
         for (name, value) in &experiment.set {
             starts.push((slot(name)?, *value));
         }
-        // Where it is said how narrowly friction turns round, all friction does of which nothing else is said.
+        // If one width of the friction reversal zone is stated, it applies to all friction elements without a stated width.
         let said = |slot: Slot| starts.iter().rev().find(|(s, _)| *s == slot).map(|(_, value)| *value);
         let narrow = declaration.by_name("effect.coulomb_friction.w_small").and_then(|e| said(e.slot));
         let others =
@@ -95,16 +95,16 @@ impl Bench {
         })
     }
 
-    /// The value of a parameter at the start.
+    /// Start value of a parameter.
     pub fn start_of(&self, slot: Slot) -> f64 {
         let last = self.starts.iter().rev().find(|(s, _)| *s == slot);
         last.map_or_else(|| (self.kind.new)().get(slot), |(_, value)| *value)
     }
 
-    /// The initial temperatures of a run with a change, where it starts at measured ones, by full name.
+    /// Initial temperatures by full name of a run that starts at measured ones, with a change applied.
     ///
     /// # Errors
-    /// What the model says where it cannot start.
+    /// The message of the model if it cannot start.
     pub fn initial(&self, drive: &Drive, change: &Override) -> Result<Vec<(String, f64)>, CalibrateError> {
         if drive.warm.is_empty() {
             return Ok(Vec::new());
@@ -113,18 +113,18 @@ impl Bench {
         Ok(self.named(&self.start(model.as_mut(), drive)?))
     }
 
-    /// Every start value with a change and what a run says of itself, by full name; of several the last.
+    /// All start values with a change and the run's own settings, by full name; the last of duplicates applies.
     pub fn values(&self, drive: &Drive, change: &Override) -> Vec<(String, f64)> {
         self.named(self.starts.iter().chain(&change.values).chain(&drive.set))
     }
 
-    /// Values by full name, within their limits; of several of one name the last.
+    /// Values by full name, limited to their range; the last of duplicates applies.
     fn named<'a>(&self, all: impl IntoIterator<Item = &'a (Slot, f64)>) -> Vec<(String, f64)> {
         let mut values: Vec<(String, f64)> = Vec::new();
         for (slot, value) in all {
             let entry = self.declaration().entries.iter().find(|e| e.slot == *slot);
             let Some(entry) = entry else { continue };
-            // An FMU takes nothing beyond the limits.
+            // An FMU rejects values outside the limits.
             let (name, value) = (&entry.name, &value.clamp(entry.row.min, entry.row.max));
             match values.iter_mut().find(|(known, _)| known == name) {
                 Some((_, place)) => *place = *value,
@@ -139,10 +139,10 @@ impl Bench {
         (self.kind.declaration)()
     }
 
-    /// The model changed, and started as the run starts.
+    /// Model with the change applied, initialised for the start of the run.
     ///
     /// # Errors
-    /// What the model says where it cannot start.
+    /// The message of the model if it cannot start.
     pub fn begin(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
         let mut model = self.set_up(drive, change)?;
         self.start(model.as_mut(), drive)?;
@@ -150,10 +150,10 @@ impl Bench {
         Ok(model)
     }
 
-    /// The model changed, with the inputs of the first row.
+    /// Model with the change applied and the inputs of the first row.
     fn set_up(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
         let mut model = (self.kind.new)();
-        // What a run says of itself holds in it, whatever is tried elsewhere.
+        // The run's own settings override every trial value.
         for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
             model.set(*slot, *value);
         }
@@ -169,10 +169,10 @@ impl Bench {
         Ok(model)
     }
 
-    /// Outputs at every row, with the model changed: one column for each output, in SI units.
+    /// Outputs at every row with a change applied: one column for each output, in SI units.
     ///
     /// # Errors
-    /// What the model says where it cannot start or step.
+    /// The message of the model if it cannot start or step.
     pub fn run(&self, drive: &Drive, change: &Override) -> Result<Vec<Vec<f64>>, CalibrateError> {
         let mut model = self.begin(drive, change)?;
         let rows = drive.time.len();
@@ -185,11 +185,12 @@ impl Bench {
         Ok(shown)
     }
 
-    /// Drives a started model along a run and shows it at every row. A model that reaches a limit of validity stays there for
-    /// the rows that are left, so that a candidate with such parameters fails by its residuals; the reason is given back.
+    /// Simulates an initialised model along a run and calls `see` at every row. A model that reaches a limit of validity keeps its state
+    /// for the
+    /// remaining rows, so that a candidate with such parameters fails by its residuals; the reason is returned.
     ///
     /// # Errors
-    /// What the model says where it cannot step.
+    /// The message of the model if it cannot step.
     pub fn along(
         &self,
         drive: &Drive,
@@ -217,13 +218,13 @@ impl Bench {
                 }
                 outcome => outcome.map_err(refused)?,
             }
-            // To the last bit what was measured, whatever the slopes have added up to.
+            // Sets the measured value exactly: input derivatives accumulate rounding errors.
             drive.hold(model, &self.inputs, k + 1);
         }
         Ok(ending)
     }
 
-    /// Why a run ends before its last row, with the model changed; `None` where it does not.
+    /// Reason why a run ends before its last row, with a change applied; `None` if it does not.
     ///
     /// # Errors
     /// As [`run`](Bench::run).
@@ -232,19 +233,21 @@ impl Bench {
         self.along(drive, model.as_mut(), |_, _| {})
     }
 
-    /// The outputs' places in the model, in the experiment's order.
+    /// Slots of the outputs in the model, in the experiment's order.
     pub fn outputs(&self) -> &[Slot] {
         &self.outputs
     }
 
-    /// The inputs' places in the model, in the experiment's order.
+    /// Slots of the inputs in the model, in the experiment's order.
     pub fn inputs(&self) -> &[Slot] {
         &self.inputs
     }
 
-    /// Starts a model where a run starts. The nodes whose first readings are known get the initial temperatures with which their
-    /// sensors indicate these: a sensor with an offset or a stem loss does not indicate its node's temperature, so that each is moved
-    /// by the deviation of its sensor until there is none. Returns the initial temperatures.
+    /// Initialises a model for a run. Nodes with known first readings get the initial temperatures for which their sensors indicate these
+    /// readings.
+    /// A sensor with an offset or a stem loss does not indicate its node's temperature, so each initial temperature is corrected
+    /// iteratively by the
+    /// deviation of its sensor. Returns the initial temperatures.
     fn start(&self, model: &mut dyn Model, drive: &Drive) -> Result<Vec<(Slot, f64)>, CalibrateError> {
         let mut known: Vec<(Node, f64)> =
             drive.warm.iter().map(|(node, _, reading)| (*node, *reading)).collect();
@@ -274,10 +277,10 @@ fn refused(fault: physics::model::Fault) -> CalibrateError {
 }
 
 impl Drive {
-    /// The inputs of a run, and where it starts.
+    /// Inputs and initial readings of a run.
     ///
     /// # Errors
-    /// An input without a single reading.
+    /// An input without any reading.
     pub fn new(experiment: &Experiment, run: &Run) -> Result<Drive, CalibrateError> {
         let time = run.table.time.clone();
         let columns = experiment.inputs.iter().zip(&run.table.columns);
@@ -290,7 +293,7 @@ impl Drive {
             .collect::<Result<Vec<_>, _>>()?;
         let model = physics::models::by_name(&experiment.model);
         let slot = |name: &str| model.and_then(|m| Some((m.declaration)().by_name(name)?.slot));
-        // What is unknown in this run is no fixed value of it.
+        // A parameter that is unknown in this run has no fixed value in it.
         let same = || experiment.runs.iter().filter(|r| r.file == run.file);
         let is_unknown = |name: &String| {
             same().any(|r| r.role == Role::Fit) && same().any(|r| r.priors.iter().any(|p| p.name == *name))
@@ -301,12 +304,12 @@ impl Drive {
         if run.start == Start::Measured {
             for (k, channel) in experiment.outputs.iter().enumerate() {
                 let first = run.table.columns[experiment.inputs.len() + k].iter().find(|v| v.is_finite());
-                // Of several sensors on a node the first.
+                // If a node has several sensors, the first applies.
                 let node = channel.node().filter(|node| warm.iter().all(|(known, ..)| known != node));
                 warm.extend(node.zip(first).map(|(node, first)| (node, k, *first)));
             }
         }
-        // Noise around a limit, as of a power of zero, stays within: an FMU takes nothing beyond.
+        // Noise near a limit (such as zero power) is clipped: an FMU rejects values outside the limits.
         for (column, channel) in inputs.iter_mut().zip(&experiment.inputs) {
             let entry = channel.input.and_then(|name| (model?.declaration)().by_name(name));
             if let Some(entry) = entry {
@@ -316,12 +319,12 @@ impl Drive {
         Ok(Drive { time, inputs, set, warm })
     }
 
-    /// A run that was never driven: inputs by row, in SI units.
+    /// Artificial run: inputs by row, in SI units.
     pub fn of(time: Vec<f64>, inputs: Vec<Vec<f64>>) -> Drive {
         Drive { time, inputs, set: Vec::new(), warm: Vec::new() }
     }
 
-    /// The greatest value of an input.
+    /// Greatest value of an input.
     pub fn greatest(&self, input: usize) -> f64 {
         self.inputs[input].iter().fold(0.0, |most, x| most.max(*x))
     }
@@ -331,26 +334,28 @@ impl Drive {
         self.inputs[input][row]
     }
 
-    /// The greatest size of an input, at least 1.
+    /// Greatest absolute value of an input, at least 1.
     pub fn scale(&self, input: usize) -> f64 {
         self.inputs[input].iter().fold(1.0, |most, x| most.max(x.abs()))
     }
 
-    /// The same run with one input moved throughout.
+    /// Copy of the run with a constant added to one input.
     pub fn with_input_moved(&self, input: usize, way: f64) -> Drive {
         let mut inputs = self.inputs.clone();
         inputs[input].iter_mut().for_each(|x| *x += way);
         Drive { inputs, ..self.clone() }
     }
 
-    /// Inputs by row, in the experiment's order, in SI units: every one known at every row.
+    /// Inputs by row, in the experiment's order, in SI units, without blanks.
     pub fn inputs(&self) -> &[Vec<f64>] {
         &self.inputs
     }
 
-    /// The same run with the noise of its inputs (standard deviations, in their order) smoothed out: each reading is the mean
-    /// of the readings near it in time that its noise does not tell from it, so that steps stay steps. Of these means the same is
-    /// taken once more over a longer reach, where they stand still: at rest noise would else be all that there is.
+    /// Copy of the run with smoothed inputs (`noise`: standard deviations, in their order). Each reading is replaced by the mean of
+    /// neighbouring
+    /// readings that agree with it to within noise, so that steps are preserved. Where these means are constant they are averaged again
+    /// over a
+    /// longer window; otherwise noise would dominate at standstill.
     pub fn smoothed(&self, noise: &[f64]) -> Drive {
         let smooth = |(column, sigma): (&Vec<f64>, &f64)| -> Vec<f64> {
             let once = means_of_alike(column, REACH, ALIKE * sigma);
@@ -360,7 +365,7 @@ impl Drive {
         Drive { inputs: self.inputs.iter().zip(noise).map(smooth).collect(), ..self.clone() }
     }
 
-    /// Gives the inputs of a row to a model.
+    /// Sets the inputs of a row in a model.
     pub fn hold(&self, model: &mut dyn Model, slots: &[Slot], row: usize) {
         for (input, slot) in self.inputs.iter().zip(slots) {
             model.set(*slot, input[row]);
@@ -368,8 +373,9 @@ impl Drive {
     }
 }
 
-/// The mean of each value and of its neighbours within `reach` rows, as far as they and all between are within `size` of it; as far on
-/// one side as on the other, so that a ramp stays where it is.
+/// Means over each value and its neighbours up to `reach` rows away, as long as these and all values between differ by less than `size`.
+/// The
+/// window is symmetric, so that a ramp is not shifted.
 fn means_of_alike(column: &[f64], reach: usize, size: f64) -> Vec<f64> {
     let mean = |row: usize| {
         let alike = |k: usize| (column[k] - column[row]).abs() <= size;
@@ -383,7 +389,7 @@ fn means_of_alike(column: &[f64], reach: usize, size: f64) -> Vec<f64> {
     (0..column.len()).map(mean).collect()
 }
 
-/// A column with its blanks on lines between their neighbours, held at its ends; `None` where all is blank.
+/// Column with blanks interpolated linearly and held constant at the ends; `None` if all values are blank.
 fn filled(time: &[f64], column: &[f64]) -> Option<Vec<f64>> {
     let known: Vec<usize> = (0..column.len()).filter(|k| column[*k].is_finite()).collect();
     let (&first, &last) = (known.first()?, known.last()?);
@@ -412,7 +418,7 @@ mod tests {
         assert_eq!(filled(&[0.0, 1.0], &[blank, blank]), None);
     }
 
-    /// A bench of two rows, and a run as the text says it.
+    /// Bench of two rows, with a run as specified by the text.
     fn bench(run: &str, rows: &str) -> (Experiment, Bench) {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a.csv"), rows).unwrap();
@@ -447,10 +453,10 @@ mod tests {
         };
         let shown = [0.0, 1.0].map(|k| bench.run(&drive, &off(k)).unwrap());
         for columns in &shown {
-            // The winding's first reading comes later; it stands for the start.
+            // The winding's first reading is at a later row; it is used as the initial value.
             assert!((columns[0][0] - 333.15).abs() < 1e-6 && (columns[1][0] - 318.15).abs() < 1e-6);
         }
-        // The nodes behind the same readings are others, and after hours an offset is what is left.
+        // The same readings give different node temperatures; after hours only the sensor offset remains.
         assert!((shown[1][0][2] - shown[0][0][2] - 3.0).abs() < 0.01);
         let (experiment, bench) = self::bench("", ROWS);
         let cold = bench.run(&Drive::new(&experiment, &experiment.runs[0]).unwrap(), &off(0.0)).unwrap();
@@ -468,7 +474,7 @@ mod tests {
             let drive = Drive::new(&experiment, &experiment.runs[run]).unwrap();
             bench.run(&drive, change).unwrap()[1][2] - 293.15
         };
-        // 10 W through the conductance, six time constants on.
+        // 10 W through the conductance, after six time constants.
         assert!((rise(0, &Override::default()) - 25.0).abs() < 0.1);
         assert!((rise(1, &Override::default()) - 50.0).abs() < 0.2);
         let slot = bench.declaration().by_name("conductance.G_still").unwrap().slot;

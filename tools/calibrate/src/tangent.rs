@@ -1,12 +1,12 @@
-//! A model linearised along a run: what any small force at any port would do to the outputs.
+//! Model linearised along a run: response of the outputs to a small perturbation at any port.
 //!
 //! x' = F x + b u,   y = C x + d u                                                          (1)
 //! x_{k+1} = exp(F h) x_k + h (phi1 - phi2)(F h) b_k u_k + h phi2(F h) b_{k+1} u_{k+1}      (2)
 //!
-//! F, C, b and d are differences of the native model's own rates and outputs at the states of each row, so the equations
-//! stand in one place; over a row F is the mean of both ends and u runs along a line, as the inputs do. With (2)
-//! the answer to one more shape of u costs a few additions a row, where a simulation costs a thousand times more.
-//! *Assumes* that what it is used for is small; who needs more simulates. *Source*: Hochbruck, Ostermann, Acta Numerica 19
+//! F, C, b and d are finite differences of the native model's rates and outputs at the states of each row, so that the equations are not
+//! duplicated. Over a row F is the mean of both ends and u is linear, as are the inputs. With (2) the response to another u costs a few
+//! additions per row, about a thousand times less than a simulation.
+//! *Assumes* small perturbations; large ones require simulation. *Source*: Hochbruck, Ostermann, Acta Numerica 19
 //! (2010), for the phi functions.
 
 use crate::CalibrateError;
@@ -16,37 +16,37 @@ use nalgebra::DMatrix;
 use physics::model::{Model, Slot};
 use physics::terms::{Drivers, GenericTerm, Law, Port, Product};
 
-/// How far states are moved to find slopes, as a share of themselves.
+/// Relative perturbation of the states for the finite differences.
 const WAY: f64 = 1e-5;
-/// Growth of a state within a row beyond which its line says nothing, as a logarithm: all digits of a number, ln 2^52.
+/// Logarithm of the growth of a state within a row above which the linearization is meaningless: all digits of a number, ln 2^52.
 const GROWN: f64 = 36.0;
 
-/// What is moved to find out what it does.
+/// Perturbed quantity.
 #[derive(Clone, Debug)]
 pub enum Probe {
-    /// A parameter, from where the change has it.
+    /// A parameter, from its value in the change.
     Parameter {
-        /// Which.
+        /// Its slot.
         slot: Slot,
-        /// What stands still beside it.
+        /// Other parameters that are set and held constant.
         with: Vec<(Slot, f64)>,
-        /// How far it is moved.
+        /// Size of the perturbation.
         way: f64,
     },
-    /// A port, by a constant term.
+    /// A port, perturbed by a constant term.
     Port(Port),
-    /// An input, by its index in the experiment. At the first row it also moves where the nodes start, if they do.
+    /// An input, by its index in the experiment. At the first row it also perturbs initial temperatures that depend on it.
     Input(usize),
 }
 
-/// What one probe does at every row, for a unit of it.
+/// Effect of a unit perturbation at every row.
 #[derive(Clone, Debug)]
 pub struct Direction {
-    /// At the start: one for each state.
+    /// On the initial states: one for each state.
     start: Vec<f64>,
     /// On the rates: rows times states.
     rates: Vec<f64>,
-    /// On the outputs at once: rows times outputs.
+    /// Direct effect on the outputs: rows times outputs.
     outputs: Vec<f64>,
 }
 
@@ -57,9 +57,9 @@ pub struct Tangent {
     pub shown: Vec<f64>,
     /// Time of each row, s.
     pub time: Vec<f64>,
-    /// What terms may follow, at every row.
+    /// Drivers of terms, at every row.
     pub drivers: Vec<Drivers>,
-    /// One for each probe; `None` where the model refuses to be moved so.
+    /// One for each probe; `None` if the model rejects the perturbation.
     pub directions: Vec<Option<Direction>>,
     states: usize,
     outputs: usize,
@@ -69,7 +69,7 @@ pub struct Tangent {
     passes: Vec<f64>,
 }
 
-/// A model at the states of one row.
+/// Model at the states of one row.
 struct Instant {
     rates: Vec<f64>,
     outputs: Vec<f64>,
@@ -84,10 +84,10 @@ impl Instant {
 }
 
 impl Tangent {
-    /// Linearises the changed model along a run.
+    /// Linearises the model with a change along a run.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The message of the model if it cannot be run.
     pub fn new(
         bench: &Bench,
         drive: &Drive,
@@ -152,9 +152,9 @@ impl Tangent {
         })
     }
 
-    /// What white noise on inputs does to the outputs, rows times outputs: variances, by the row's own reading and in all. A
-    /// current follows its voltage within a row, so that it trembles with it. Each direction is an input's, with the standard
-    /// deviation of its noise.
+    /// Variances of the outputs due to white noise on inputs, rows times outputs: due to the same row's reading, and in total. A current
+    /// follows
+    /// its voltage within a row and takes over its noise. Each direction is that of an input, with the standard deviation of its noise.
     pub fn variance(&self, noises: &[(&Direction, f64)]) -> (Vec<f64>, Vec<f64>) {
         let (n, m, rows) = (self.states, self.outputs, self.drivers.len());
         let (mut direct, mut whole) = (vec![0.0; rows * m], vec![0.0; rows * m]);
@@ -184,7 +184,7 @@ impl Tangent {
             p = &keeps * &p * keeps.transpose();
             latest.clear();
             for (direction, sigma) in noises {
-                // A reading counts in the interval before it and in the one after: as if both were one.
+                // A reading acts in the interval before it and in the one after it; both contributions are added.
                 let b = DMatrix::from_column_slice(n, 1, &direction.rates[(row + 1) * n..(row + 2) * n]);
                 let g = &force * b * *sigma;
                 p += &g * g.transpose();
@@ -194,9 +194,9 @@ impl Tangent {
         (direct, whole)
     }
 
-    /// What the outputs answer, rows times outputs, to a direction that is followed by `shape` at each row.
+    /// Response of the outputs, rows times outputs, to a direction multiplied by `shape` at each row.
     pub fn response(&self, direction: &Direction, shape: impl Fn(usize) -> f64) -> Vec<f64> {
-        // Two nodes are the common case, and their loops unroll.
+        // Two nodes are the most common case; a constant size lets the compiler unroll the loops.
         match self.states {
             2 => self.answer::<2>(direction, shape),
             n => self.answer_of(n, direction, shape),
@@ -245,7 +245,7 @@ impl Tangent {
     }
 }
 
-/// The matrices of (2) between rows, each by its rows.
+/// Matrices of (2) for each interval, by rows.
 fn passes(time: &[f64], slopes: &[DMatrix<f64>]) -> Vec<f64> {
     let n = slopes[0].nrows();
     let mut all: Vec<f64> = Vec::with_capacity(slopes.len() * 3 * n * n);
@@ -253,7 +253,7 @@ fn passes(time: &[f64], slopes: &[DMatrix<f64>]) -> Vec<f64> {
     for (pair, ends) in slopes.windows(2).zip(time.windows(2)) {
         let h = ends[1] - ends[0];
         let mean = (&pair[0] + &pair[1]) * 0.5;
-        // Where nothing moves, nothing is computed again.
+        // The matrices are reused while F and h are unchanged.
         let serves = last.as_ref().is_some_and(|(matrix, step, _)| *step == h && close(matrix, &mean));
         if !serves {
             let three = pass(&mean, h);
@@ -276,7 +276,7 @@ fn pass(matrix: &DMatrix<f64>, h: f64) -> [DMatrix<f64>; 3] {
     let mut block = DMatrix::zeros(3 * n, 3 * n);
     block.view_mut((0, 0), (n, n)).copy_from(&(matrix * h));
     for k in 0..n {
-        // A current that a negative drop drives away from zero settles as fast where the drop ends.
+        // A current with an unstable drop (negative resistance) settles as fast once the drop saturates.
         if block[(k, k)] > GROWN {
             block[(k, k)] = -block[(k, k)];
         }
@@ -289,7 +289,7 @@ fn pass(matrix: &DMatrix<f64>, h: f64) -> [DMatrix<f64>; 3] {
     [keeps, &phi1 - &phi2, phi2]
 }
 
-/// A second model that stands beside the first, moved.
+/// Second, perturbed model instance.
 struct Moved {
     model: Box<dyn Model>,
     probe: Probe,
@@ -298,7 +298,7 @@ struct Moved {
 }
 
 impl Moved {
-    /// `None` where the model refuses it, or where its states are not those of the one beside it.
+    /// `None` if the model rejects the perturbation or its states differ from those of the reference model.
     fn new(
         bench: &Bench,
         drive: &Drive,
@@ -373,8 +373,8 @@ file = "run.csv"
 role = "fit"
 "#;
 
-    /// What the linearised model answers to a small drag that grows with the root of the speed, to a resistance and to a
-    /// warmer room is what two simulations differ by.
+    /// The linearised response to a small drag that grows with the root of the speed, to a resistance and to a warmer ambient equals the
+    /// difference of two simulations.
     #[test]
     fn answers_are_those_of_simulations() {
         let folder = tempfile::tempdir().unwrap();
@@ -430,7 +430,7 @@ role = "fit"
         }
     }
 
-    /// Noise on the current and on the room's sensor, followed through the model and by a hundred simulations.
+    /// Noise on the current and on the ambient sensor: linear propagation against a hundred simulations.
     #[test]
     fn variances_are_those_of_simulations() {
         let experiment = crate::testing::experiment("", true);
@@ -460,11 +460,11 @@ role = "fit"
             let ratio = sum / f64::from(trials) / told;
             assert!((ratio - 1.0).abs() < 0.2, "output {output}: {ratio}");
         }
-        // A temperature follows; it does not jump.
+        // A temperature has no direct feedthrough.
         assert!(direct[2 + 4 * 200] < 0.2 * whole[2 + 4 * 200]);
     }
 
-    /// A state that runs away within a row, beside one that does not: what it does is bounded, and the other is as it is alone.
+    /// An unstable state within a row, next to a stable one: its effect is bounded, and the stable one is unaffected.
     #[test]
     fn what_runs_away_within_a_row_is_bounded() {
         let f = DMatrix::from_row_slice(2, 2, &[900.0, 0.0, 0.1, -0.2]);
@@ -474,7 +474,7 @@ role = "fit"
         assert!((keeps[(1, 1)] - alone[0][(0, 0)]).abs() < 1e-12);
     }
 
-    /// A leaky store, x' = -a x + u: held and ramped forces by hand.
+    /// First-order storage, x' = -a x + u: analytic solutions for constant and ramp inputs.
     #[test]
     fn one_store_by_hand() {
         let (a, h): (f64, f64) = (0.3, 2.0);

@@ -1,8 +1,9 @@
-//! Hidden states: laws over a first-order lag of a driver or of a heat flow.
+//! Latent states: laws over a first-order lag of a driver or of a heat flow.
 //!
-//! A node that the model lacks, magnets or a bearing, follows the temperature or the heat beside it late. Its time constant is profiled:
-//! for each one of a series the answer of the linearised model to the lagged driver is known, and a law linear in it is scored; the fit
-//! by simulation then moves all numbers, the time constant among them.
+//! A node that the model lacks (magnets, bearing) follows the adjacent temperature or heat flow with a lag. Its time constant is profiled:
+//! for each time constant of a series, the linearised model gives the response to the lagged driver, and a law linear in it is scored. The
+//! fit
+//! by simulation then estimates all parameters, including the time constant.
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
 use super::{Scored, choice, is_known, scale, scored};
@@ -13,16 +14,16 @@ use crate::outcome::Follows;
 use physics::terms::{Driver, Factor, Lag, Port};
 use rayon::prelude::*;
 
-/// Shortest time constant that is tried, in rows: what is shorter is the driver itself.
+/// Shortest time constant that is tried, in rows: a shorter lag cannot be distinguished from the driver itself.
 const ROWS: f64 = 5.0;
-/// Each time constant over the one before: first-order answers to neighbours correlate by 0.94, 2 sqrt(2) / 3.
+/// Ratio of successive time constants: first-order responses to neighbours correlate by 0.94, 2 sqrt(2) / 3.
 const APART: f64 = 2.0;
 /// Exponents that are tried at the best time constant.
 const EXPONENTS: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 /// Points of a table over a lagged driver.
 const POINTS: usize = 5;
 
-/// A driver as its lag has it, run by run.
+/// Lagged driver, run by run.
 struct Late {
     lag: Lag,
     reached: Vec<Vec<f64>>,
@@ -54,7 +55,7 @@ fn time_constants(point: &Linearization) -> Vec<f64> {
         .collect()
 }
 
-/// The best law over a lag of each driver, at these ports.
+/// Best law over a lag of each driver, at these ports.
 pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) -> Vec<Scored> {
     let taus = time_constants(point);
     let moves = |driver: Driver| {
@@ -83,7 +84,7 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
     places.par_iter().filter_map(find).flat_map_iter(|laws| laws).collect()
 }
 
-/// The time constant of a lag as a number that is fitted.
+/// Time constant of a lag as a fitted parameter.
 fn time_constant(late: &Late, taus: &[f64]) -> Number {
     let (first, last) = (taus[0], taus[taus.len() - 1]);
     Number {

@@ -1,4 +1,4 @@
-//! What no present value of a driver explains: forces that are free in time, and what knows its past.
+//! Candidates that present driver values cannot explain: latent inputs and laws with memory.
 
 use super::{Scored, choice, scored};
 use crate::evidence::Gain;
@@ -9,31 +9,30 @@ use crate::outcome::Follows;
 use nalgebra::DMatrix;
 use physics::terms::{Driver, Port};
 
-/// Points of a force that is free in time, in each run.
+/// Knots of a latent input in each run.
 const INSTANTS: usize = 24;
-/// What a force that is free in time is called, behind its port.
+/// Suffix of a latent input's name, after its port.
 pub(super) const FREE: &str = " free in time";
-/// Parts of a driver's span, as its rows stand, between which a threshold is tried.
+/// Quantiles of a driver's readings at which a threshold is tried.
 const THRESHOLDS: usize = 32;
-/// What knows its past has to explain this many times as much as the present does, and so much more.
+/// A law with memory must exceed the best memoryless one by this factor and by this difference in evidence.
 const NEEDS_MEMORY: (f64, f64) = (1.1, 30.0);
 
-/// Whether something that knows its past explains more at a point than all that follow a present value: what latches or switches by
-/// what the motor has measured, clearly.
+/// Whether a law with memory (latching or switching by a measured quantity) clearly explains more at a point than all memoryless laws.
 pub fn needs_memory(scored: &[Scored]) -> bool {
-    // A law over time may be the same in other words.
+    // A law over time may describe the same effect, so it does not count as memoryless.
     let present =
         scored.iter().filter(|s| !matches!(s.follows, Follows::History | Follows::Driver(Driver::Time)));
     let present = present.map(Scored::sure).fold(0.0, f64::max);
     best_memory_term(scored).is_some_and(|past| past.sure() > NEEDS_MEMORY.0 * present + NEEDS_MEMORY.1)
 }
 
-/// What explains most of all that latches, switches or comes and goes; `scored` has the surest first.
+/// Best law with memory (latching, switching or intermittent); `scored` is sorted by decreasing evidence.
 pub fn best_memory_term(scored: &[Scored]) -> Option<&Scored> {
     past(scored).find(|s| !s.is_free())
 }
 
-/// The force at a port that is free in time.
+/// Latent input at a port.
 pub fn latent_input_at(scored: &[Scored], port: Port) -> Option<&Scored> {
     past(scored).find(|s| s.is_free() && s.port == port)
 }
@@ -42,22 +41,22 @@ fn past(scored: &[Scored]) -> impl Iterator<Item = &Scored> {
     scored.iter().filter(|s| s.follows == Follows::History && !s.listed)
 }
 
-/// The clock of each row of each run.
+/// Clock time of each row of a run.
 fn clock<'a>(point: &'a Linearization, r: usize) -> &'a [f64] {
     &point.setup.drives[point.runs[r]].time
 }
 
-/// A force at a port that is free in time.
+/// Latent input at a port.
 pub struct LatentInput {
-    /// Columns of its values at instants.
+    /// Responses to its values at the knots, one column each.
     pub columns: DMatrix<f64>,
-    /// Their covariance: near instants are alike.
+    /// Their prior covariance: values at neighbouring knots are correlated.
     pub kernel: DMatrix<f64>,
-    /// The instants, s.
+    /// Times of the knots, s.
     at: Vec<f64>,
 }
 
-/// A force that is free in time.
+/// Latent input at a port, as responses and prior covariance.
 pub fn latent_input(point: &Linearization, port: Port) -> Option<LatentInput> {
     let mut instants: Vec<(usize, Vec<f64>)> = Vec::new();
     for r in 0..point.runs.len() {
@@ -85,8 +84,9 @@ pub(super) fn latent_inputs(point: &Linearization, port: Port, per_number: f64) 
     Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + choice(), &free.at))
 }
 
-/// The values of a driver at the rows of each run: of a temperature what was measured, where it was. What switches does so where the
-/// motor was, and not where a model without it goes.
+/// Values of a driver at the rows of each run; for a temperature the readings, where there are any. A switch responds to the motor's true
+/// state,
+/// not to the prediction of a model without the switch.
 fn stood(point: &Linearization, driver: Driver) -> Vec<Vec<f64>> {
     let experiment = point.setup.experiment;
     let sensor = Channel::reading(driver).filter(|c| c.is_temperature());
@@ -101,7 +101,7 @@ fn stood(point: &Linearization, driver: Driver) -> Vec<Vec<f64>> {
     .collect()
 }
 
-/// What knows its past: it latches, switches with hysteresis, or comes and goes.
+/// Laws with memory: latching, switching with hysteresis, intermittent.
 pub(super) fn histories(point: &Linearization, port: Port, per_number: f64) -> Vec<Scored> {
     let mut all = Vec::new();
     let mut best = |name: &str, numbers: f64, tried: Vec<(f64, Gain)>| {

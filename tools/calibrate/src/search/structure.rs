@@ -1,11 +1,12 @@
-//! What every model gets wrong a little: smooth laws at every port over every driver, none of which is worth a name.
+//! Structure error: small smooth laws at every port over every driver, none significant on its own.
 //!
 //! f = sum_pd f_pd,   f_pd ~ N(0, q^2 K_d) at port p over driver d                                         (1)
 //! S S' = 1/N sum_pd C_pd K_d C_pd' n / tr(C_pd K_d C_pd')                                                 (2)
 //!
-//! C_pd are the answers of the linearised model to the points of a law. Each law alone moves the n block means by as much, in units
-//! of their noise, so that q is the size of the structure error in these units; it is estimated (`evidence.rs`). (2) is a Cholesky
-//! decomposition with pivots, which ends where what it leaves out is below the least size of structure error that counts.
+//! C_pd are the responses of the linearised model to the knot values of a law. Each law is scaled to the same effect on the n block means,
+//! in units
+//! of their noise, so that q is the size of the structure error in these units; it is estimated (`evidence.rs`). (2) is a pivoted Cholesky
+//! decomposition, truncated where the remainder is below the least size of structure error that matters.
 //! *Sources*: Kennedy, O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464; Alvarez, Luengo, Lawrence, IEEE Trans. Pattern Analysis 35 (2013)
 //! 2693-2705 (latent forces); Harbrecht, Peters, Schneider, Applied Numerical Mathematics 62 (2012) 428-440 (pivots).
 
@@ -17,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use physics::terms::{Driver, Drivers, Port};
 use rayon::prelude::*;
 
-/// Directions that are kept, at most: as many columns as the drifts of two sensors have, so that they hardly cost more.
+/// Greatest number of directions: as many columns as the drifts of two sensors have, so that the extra cost is small.
 const DIRECTIONS: usize = 48;
 
 /// Directions of the structure error of size 1 at a point: S of (2).
@@ -32,7 +33,7 @@ pub fn structure(point: &Linearization) -> DMatrix<f64> {
     compressed(&laws, point.evidence.values())
 }
 
-/// The answers to a law, each column with a number of variance 1.
+/// Responses to a law; each column belongs to a coefficient of variance 1.
 fn law(point: &Linearization, port: Port, driver: Driver) -> Option<DMatrix<f64>> {
     let knots = knots(point, driver)?;
     let hidden = point.hidden(Some(driver));
@@ -43,7 +44,7 @@ fn law(point: &Linearization, port: Port, driver: Driver) -> Option<DMatrix<f64>
     (size > 0.0 && size.is_finite()).then(|| scaled * ((point.evidence.values() as f64).sqrt() / size))
 }
 
-/// Eq. (2) by few columns.
+/// Eq. (2), truncated to few columns.
 fn compressed(laws: &[DMatrix<f64>], values: usize) -> DMatrix<f64> {
     let count = laws.len() as f64;
     let mut left = DVector::<f64>::zeros(values);
@@ -72,7 +73,7 @@ mod tests {
     use super::*;
     use crate::testing::{normal, rng};
 
-    /// A law of some numbers over `n` values, scaled as [`law`] does.
+    /// Test law with `numbers` coefficients over `n` values, scaled as [`law`] does.
     fn trial(n: usize, numbers: usize, seed: u64) -> DMatrix<f64> {
         let mut rng = rng(seed);
         let columns = DMatrix::from_fn(n, numbers, |_, _| normal(&mut rng));
@@ -80,7 +81,7 @@ mod tests {
         columns * ((n as f64).sqrt() / size)
     }
 
-    /// Few directions have the covariance of all laws, of which each counts as much.
+    /// Few directions reproduce the covariance of all laws, each with equal weight.
     #[test]
     fn directions_have_the_covariance_of_the_laws() {
         let laws = [trial(60, 3, 1), trial(60, 2, 2), trial(60, 4, 3)];
@@ -92,14 +93,14 @@ mod tests {
         assert_eq!(compressed(&[], 60).ncols(), 0);
     }
 
-    /// More laws than directions: what is left out is the least.
+    /// With more laws than directions, the smallest contributions are truncated.
     #[test]
     fn directions_are_few() {
         let laws: Vec<DMatrix<f64>> = (0..100).map(|k| trial(200, 3, k)).collect();
         let columns = compressed(&laws, 200);
         assert_eq!(columns.ncols(), DIRECTIONS);
         let held: f64 = columns.norm_squared() / 200.0;
-        // Random laws hold as much in each of 200 directions; a pivot takes at least its part.
+        // Random laws have equal variance in each of 200 directions; each pivot accounts for at least its fraction.
         assert!(held > DIRECTIONS as f64 / 200.0 && held < 1.0, "{held}");
     }
 }

@@ -4,7 +4,7 @@ use crate::setup::Setup;
 use crate::testing;
 use physics::terms::{GenericTerm, Lag, Law, Product};
 
-/// A law over a driver with so much evidence, and its shape: driver and value.
+/// Law over a driver with given evidence and shape (driver, value).
 fn law(port: Port, follows: Follows, sure: f64, shape: &[(f64, f64)]) -> Scored {
     Scored {
         addition: None,
@@ -22,7 +22,7 @@ fn over(driver: Driver) -> Follows {
     Follows::Driver(driver)
 }
 
-/// The ports that are left of a heat and of a conductance over the housing's temperature.
+/// Remaining ports for a heat and a conductance over the housing's temperature.
 fn left(heat: &[(f64, f64)], of_conductance: f64) -> Vec<Port> {
     let housing = over(Driver::HousingTemperature);
     let conductance: Vec<(f64, f64)> = heat.iter().map(|(x, _)| (*x, 1.0)).collect();
@@ -38,12 +38,12 @@ fn left(heat: &[(f64, f64)], of_conductance: f64) -> Vec<Port> {
 fn heat_that_falls_as_the_housing_warms_leaves_by_a_conductance() {
     let falling = [(300.0, 1.0), (310.0, 0.2), (320.0, -2.0)];
     assert_eq!(left(&falling, 95.0), [Port::HousingAmbientConductance]);
-    // One that explains far less explains something else.
+    // A conductance that explains far less describes another effect.
     assert_eq!(left(&falling, 85.0).len(), 2);
-    // A heat that grows is no loss.
+    // A heat that increases with temperature is not a loss.
     let growing = falling.map(|(x, y)| (x, -y));
     assert_eq!(left(&growing, 95.0).len(), 2);
-    // Of a power the coefficient alone says it.
+    // For a power law the sign of the coefficient decides.
     assert_eq!((left(&[(0.0, -1.0)], 95.0).len(), left(&[(0.0, 1.0)], 95.0).len()), (1, 2));
 }
 
@@ -53,7 +53,7 @@ fn what_knows_its_past_is_clear_where_no_present_value_comes_near() {
     let present = |sure: f64| law(Port::DragTorque, over(Driver::Speed), sure, &[(0.0, 1.0)]);
     assert!(needs_memory(&[latch.clone(), present(850.0)]));
     assert!(!needs_memory(&[latch.clone(), present(900.0)]));
-    // A law over time may be the same in other words; a force that is free in time is none that latches.
+    // A law over time may describe the same effect; a latent input does not latch.
     let latent_inputs = law(Port::DragTorque, over(Driver::Time), 990.0, &[(0.0, 1.0)]);
     assert!(needs_memory(&[latch.clone(), latent_inputs]));
     let free = Scored { name: format!("{}{FREE}", latch.name), ..latch };
@@ -62,7 +62,7 @@ fn what_knows_its_past_is_clear_where_no_present_value_comes_near() {
 
 const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
 
-/// What a search finds in readings of a motor with a term, and the point from which it was looked for.
+/// Search result for simulated readings of a motor with a term, and the point of linearization.
 fn found_of<T>(term: GenericTerm, see: impl Fn(&Linearization, Vec<Scored>) -> T) -> T {
     let mut experiment = testing::experiment(PRIORS, true);
     let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
@@ -73,7 +73,7 @@ fn found_of<T>(term: GenericTerm, see: impl Fn(&Linearization, Vec<Scored>) -> T
     see(&point, scored)
 }
 
-/// Magnets that warm behind the winding: port, driver and time constant come back from the readings alone.
+/// Magnets that warm up with a lag behind the winding: the readings determine port, driver and time constant.
 #[test]
 fn a_hidden_state_is_found_with_its_time_constant() {
     let factor =
@@ -82,14 +82,14 @@ fn a_hidden_state_is_found_with_its_time_constant() {
     let lag = Some(Lag { driver: Driver::WindingTemperature, tau: 250.0 });
     found_of(GenericTerm { port: Port::TorqueConstant, law, lag }, |point, scored| {
         let late = |s: &&Scored| s.addition.as_ref().is_some_and(|a| a.late.is_some());
-        // The housing follows the winding late itself: port and memory are clear at once, the driver after the fit.
+        // The housing itself lags behind the winding: port and memory are identified at once, the driver only after the fit.
         let best = scored.iter().find(late).unwrap();
         assert!(
             best.port == Port::TorqueConstant && matches!(best.follows, Follows::Late(_)),
             "{}",
             best.name
         );
-        // In a single run a law over time may be the same in other words.
+        // In a single run a law over time may describe the same effect.
         let is_present = |s: &&Scored| !late(s) && s.addition.is_some() && s.follows != over(Driver::Time);
         let present = scored.iter().find(is_present).unwrap();
         assert!(best.sure() > present.sure() + 30.0, "{} and {}", best.name, present.name);
@@ -107,7 +107,7 @@ fn a_hidden_state_is_found_with_its_time_constant() {
     });
 }
 
-/// A law over time is scored, so that it competes with others for the explanation, and cannot be added.
+/// A law over time is scored so that it competes with other explanations; it cannot be added.
 #[test]
 fn a_law_over_time_is_not_added() {
     let factor = Factor { driver: Driver::Time, offset: 0.0, reference: 1000.0, exponent: 1.0 };
@@ -120,7 +120,7 @@ fn a_law_over_time_is_not_added() {
     });
 }
 
-/// Effects of test rigs are the best explanation of readings with them, by name, and a fit finds their size from zero.
+/// Effects of test rigs rank first by name in readings that contain them, and a fit started at zero estimates their size.
 #[test]
 fn effects_of_test_rigs_are_named() {
     let power = ("electrical_power_W", 4.0, 190.0);
