@@ -7,22 +7,22 @@
 //! | [`experiment`] | reads the measured data and rejects invalid files |
 //! | [`intake`] | sets aside failed sensors and rejects data that contradict the model |
 //! | [`noise`] | estimates the noise of each channel |
-//! | [`simulate`], [`change`], [`initial`] | native model over a run, parameter overrides, initial states |
+//! | [`simulate`], [`overrides`], [`initial`] | native model over a run, parameter overrides, initial states |
 //! | [`hypothesis`], [`catalogue`] | candidate model: parameters, listed effects, unlisted terms |
 //! | [`setup`] | prepared experiment; residuals by row and by block |
 //! | [`fit`] | parameter estimation of a hypothesis with bounds and priors |
 //! | `disagreement` | runs that disagree by more than the sensor noise |
-//! | `hearing` | effect of input noise on the outputs |
+//! | `input_noise` | effect of input noise on the outputs |
 //! | [`tangent`] | model linearised along a run: response to a small perturbation at any port |
 //! | [`evidence`] | evidence for a column, jointly with all parameters and drifting sensors |
-//! | [`point`] | fitted model with its linearization and evidence: the base point of a search |
+//! | [`linearization`] | fitted model with its linearization and evidence: the base point of a search |
 //! | [`search`] | scores effects, laws over drivers, latent inputs, and laws with memory |
-//! | [`rounds`] | stepwise selection: the best candidates are fitted, compared, and pass acceptance tests |
+//! | [`selection`] | stepwise selection: the best candidates are fitted, compared, and pass acceptance tests |
 //! | [`close_loop`] | the complete procedure and the verdict |
 //! | `blackbox`, `comparison` | black-box models of the same inputs, and where they predict better than the repaired model |
 //! | [`separate`] | run or reading that would distinguish two models |
 //! | `prediction` | prediction intervals |
-//! | `telling`, [`outcome`], [`report`] | confidence intervals, errors and texts: as data, and as `report.json` |
+//! | `estimates`, [`outcome`], [`report`] | confidence intervals, errors and texts: as data, and as `report.json` |
 
 mod blackbox;
 pub mod catalogue;

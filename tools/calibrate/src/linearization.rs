@@ -1,4 +1,4 @@
-//! A fitted model as the point from which further effects are looked for: linearised along its runs, with what is left.
+//! Fitted model linearised along its runs, with its residual: the base point of a search for further effects.
 
 use crate::CalibrateError;
 use crate::catalogue::{LISTED, Listed, Way};
@@ -13,54 +13,54 @@ use nalgebra::{DMatrix, DVector};
 use physics::terms::{Driver, Drivers, Port};
 use rayon::prelude::*;
 
-/// How far the zero of a sensor may be off, over its noise.
+/// Standard deviation of a sensor's zero offset, relative to its noise.
 const ZERO: f64 = 0.5;
-/// Current and speed within so many deviations of their noise from zero may run either way.
+/// The sign of a current or speed is unknown within this many standard deviations of zero.
 const HIDDEN: f64 = 4.0;
-/// Distance of the points between which a drifting sensor runs, s, at least.
+/// Shortest distance between the knots of a sensor's drift, s.
 const KNOT: f64 = 900.0;
-/// Most such points over the whole clock.
+/// Greatest number of such knots over all runs.
 const MOST_KNOTS: usize = 24;
 
-/// Why there is no point.
+/// Error message if the parameters cannot be estimated.
 const INSEPARABLE: &str = "the parameters cannot be told apart by these runs";
 
-/// What a point says of its numbers.
+/// First-order estimates of the parameters.
 pub struct Estimated {
-    /// How far each would move, in units of its prior's deviation.
+    /// Change of each parameter, in standard deviations of its prior.
     pub moves: Vec<f64>,
-    /// Where each would stand, within its limits.
+    /// Value of each parameter after the change, within its limits.
     pub moved: Vec<f64>,
     /// Covariance, in the same units.
     pub covariance: DMatrix<f64>,
-    /// Mean square of what is left: 1 for noise.
+    /// Mean square of the residual: 1 for noise alone.
     pub misfit: f64,
 }
 
-/// A fitted model, linearised.
+/// Linearised fitted model.
 pub struct Linearization<'a> {
     /// The experiment.
     pub setup: &'a Setup<'a>,
     /// The model.
     pub fitted: Fitted,
-    /// The runs that are looked at.
+    /// The runs that are evaluated.
     pub runs: Vec<usize>,
-    /// The model along them.
+    /// The model linearised along these runs.
     pub slopes: Slopes,
-    /// The residual with all that explains it already.
+    /// The residual with all columns that already explain parts of it.
     pub evidence: Evidence,
-    /// Effects that a slope finds, with the index of their direction among the further ones.
+    /// Effects with a usable derivative, with the index of their direction after those of the model.
     listed: Vec<(&'static Listed, Addition)>,
     inputs: usize,
-    /// The ports that are looked at.
+    /// Ports at which latent inputs are evaluated.
     ports: &'static [Port],
 }
 
 impl<'a> Linearization<'a> {
-    /// The point of a fitted model over the runs that it was fitted to, from which further effects can be looked for.
+    /// Linearises a fitted model along the runs of the fit, for a search for further effects.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The message of the model if it cannot be run.
     pub fn new(
         setup: &'a Setup<'a>,
         fitted: Fitted,
@@ -69,10 +69,10 @@ impl<'a> Linearization<'a> {
         Linearization::of(setup, fitted, runs, &LISTED, Port::ALL)
     }
 
-    /// The same, from which nothing further is looked for: it knows what is left and how sure its numbers are.
+    /// The same without a search: residual and uncertainty of the parameters only.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The message of the model if it cannot be run.
     pub fn judged(
         setup: &'a Setup<'a>,
         fitted: Fitted,
@@ -81,10 +81,10 @@ impl<'a> Linearization<'a> {
         Linearization::of(setup, fitted, runs, &[], &[])
     }
 
-    /// The same, from which a force at one port can be looked for.
+    /// The same for a latent input at one port.
     ///
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The message of the model if it cannot be run.
     pub fn beside(
         setup: &'a Setup<'a>,
         fitted: Fitted,
@@ -107,7 +107,7 @@ impl<'a> Linearization<'a> {
             let taken = fitted.hypothesis.additions.iter().any(|a| a.id == listed.id);
             let set = setup.bench.start_of(slots[0]) != 0.0
                 || setup.declared.iter().any(|d| slots.contains(&d.slot));
-            // What is declared may still be otherwise in some runs.
+            // A declared effect may have another size in some runs.
             taken || (set && !listed.may_vary)
         };
         let listed: Vec<(&'static Listed, Addition)> = effects
@@ -128,7 +128,7 @@ impl<'a> Linearization<'a> {
         let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), ports.len())?;
         let mut point =
             Linearization { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs };
-        // The first that looks at all ports says what structure error does.
+        // The first linearization with all ports determines the structure error.
         if ports.len() == Port::ALL.len() {
             setup.structure.get_or_init(|| structure(&point));
         }
@@ -136,21 +136,22 @@ impl<'a> Linearization<'a> {
             let with = point.evidence.with_structure(columns);
             point.evidence = with.ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))?;
         }
-        // Nothing more is looked for from here, and many such points are kept.
+        // No further search from here; the memory is released, because many linearizations are kept.
         if ports.is_empty() {
             point.evidence.settle();
         }
         Ok(point)
     }
 
-    /// Gives back the memory of everything but the numbers, their errors and their cost.
+    /// Releases all memory except parameters, their uncertainties and cost.
     pub fn release(&mut self) {
         self.slopes.tangents = Vec::new();
         self.evidence.release();
     }
 
-    /// Where the numbers would move to first order, and how sure they are; beside a force at a port that is free in time, which the
-    /// point must look at.
+    /// Parameter changes to first order, with uncertainty; optionally estimated jointly with a latent input at a port, which must be among
+    /// the
+    /// ports of the linearization.
     pub fn estimated(&self, beside: Option<Port>) -> Estimated {
         let free = beside.and_then(|port| latent_input(self, port));
         let gain = free.as_ref().and_then(|f| self.evidence.shape(&f.columns, &f.kernel));
@@ -164,7 +165,7 @@ impl<'a> Linearization<'a> {
         Estimated { moves, moved, covariance, misfit: self.evidence.misfit(beside) }
     }
 
-    /// What a number costs: ln n, n the blocks.
+    /// Penalty for each parameter: ln n, n the number of blocks.
     pub fn per_number(&self) -> f64 {
         (self.evidence.values() as f64).ln()
     }
@@ -173,12 +174,12 @@ impl<'a> Linearization<'a> {
         self.slopes.further(r, self.ports.len() + self.inputs + self.listed.len())
     }
 
-    /// Effects that a slope finds and that the model has not.
+    /// Effects with a usable derivative that the model does not include.
     pub fn listed(&self) -> impl Iterator<Item = &(&'static Listed, Addition)> {
         self.listed.iter()
     }
 
-    /// The size that an effect of the list has before it is looked for.
+    /// Size of a listed effect in the fitted model, before the search.
     pub fn base(&self, addition: &Addition) -> f64 {
         match &addition.shape {
             Shape::Listed { slots, .. } => {
@@ -193,7 +194,7 @@ impl<'a> Linearization<'a> {
         }
     }
 
-    /// The column of the `k`-th of [`listed`](Self::listed), in the runs that `active` says (by place among the point's runs).
+    /// Column of the `k`-th effect of [`listed`](Self::listed), in the runs selected by `active` (by index among the runs evaluated).
     pub fn listed_column(&self, k: usize, active: &[bool]) -> Option<DMatrix<f64>> {
         let place = self.ports.len() + self.inputs + k;
         let hidden = self.hidden_at(self.listed[k].0.port);
@@ -208,7 +209,7 @@ impl<'a> Linearization<'a> {
         })
     }
 
-    /// Whether a channel has a reading in a run that is looked at.
+    /// Whether a channel has a reading in a run that is evaluated.
     pub fn is_read(&self, channel: &Channel) -> bool {
         let experiment = self.setup.experiment;
         let all = experiment.inputs.iter().chain(&experiment.outputs);
@@ -216,7 +217,7 @@ impl<'a> Linearization<'a> {
         self.runs.iter().any(|r| experiment.runs[*r].table.columns[place].iter().any(|x| x.is_finite()))
     }
 
-    /// Where noise hides which way a force at a port acts, which turns round with the current or the speed.
+    /// Rows at which noise hides the sign of a latent input at a port that reverses with the current or the speed.
     fn hidden_at(&self, port: Port) -> impl Fn(&Drivers) -> bool {
         self.hidden(match port {
             Port::TerminalVoltage => Some(Driver::Current),
@@ -225,15 +226,16 @@ impl<'a> Linearization<'a> {
         })
     }
 
-    /// Where a current or a speed is none but for its noise. What acts there would explain that noise by making the motor deaf to
-    /// what drives it.
+    /// Rows at which a current or speed is indistinguishable from zero. A candidate that acts there would explain the noise by making the
+    /// motor
+    /// insensitive to its inputs.
     pub fn hidden(&self, driver: Option<Driver>) -> impl Fn(&Drivers) -> bool {
         let driver = driver.filter(|d| matches!(d, Driver::Current | Driver::Speed));
         let least = driver.and_then(|d| Some((d, HIDDEN * self.setup.noise_of(Channel::reading(d)?)?)));
         move |drivers| least.is_some_and(|(driver, least)| drivers.of(driver).abs() < least)
     }
 
-    /// Columns of forces at a port, one for each of `count` shapes; a shape sees run, row and drivers.
+    /// Columns of latent inputs at a port, one for each of `count` shapes; a shape is a function of run, row and drivers.
     pub fn port_columns(
         &self,
         port: Port,
@@ -252,7 +254,7 @@ impl<'a> Linearization<'a> {
         })
     }
 
-    /// The greatest change that the last addition makes in each output, to first order, in SI units.
+    /// Greatest change of each output by the last addition, to first order, in SI units.
     pub fn reach(&self) -> Vec<f64> {
         let mut most = vec![0.0f64; self.setup.outputs()];
         for own in 0..self.runs.len() {
@@ -264,12 +266,12 @@ impl<'a> Linearization<'a> {
         most
     }
 
-    /// The column of the last addition's answer in one of the runs alone, by place: what a share more of it would do there.
+    /// Sensitivity to the amplitude of the last addition in one run only (by index): derivative with respect to its relative change.
     pub fn amplitude_column(&self, own: usize) -> Option<DMatrix<f64>> {
         self.columns(1, |r, _| self.amplitude(r, own))
     }
 
-    /// The answer of the `r`-th run to a share more of the last addition, where that is the run asked for.
+    /// Response of the `r`-th run to a relative change of the last addition; zero for all runs except `own`.
     fn amplitude(&self, r: usize, own: usize) -> Option<Option<Vec<f64>>> {
         let hypothesis = &self.fitted.hypothesis;
         let addition = hypothesis.additions.last()?;
@@ -288,7 +290,7 @@ impl<'a> Linearization<'a> {
         Some(sum)
     }
 
-    /// A column of what simulations with an addition of a given size differ by from the point.
+    /// Column of the difference between simulations with an addition of given size and the fitted model.
     pub fn simulated_column(&self, addition: &Addition) -> Option<DMatrix<f64>> {
         let mut larger = self.fitted.hypothesis.clone();
         larger.additions.push(addition.clone());
@@ -316,16 +318,17 @@ impl<'a> Linearization<'a> {
         Some(DMatrix::from_vec(self.evidence.values(), count, all))
     }
 
-    /// The values of what terms may follow, at the rows of the runs: where the naive fit stands, which is near what was measured. A
-    /// point that lacks what was found stands elsewhere, where no reading tells of a term.
+    /// Values of the drivers at the rows of the runs, predicted by the fit without added effects, which is close to the readings. A model
+    /// without
+    /// an effect that was found deviates from them and covers ranges of the drivers in which there are no readings.
     pub fn drivers(&self) -> impl Iterator<Item = &Drivers> {
         let own = if self.setup.reached.is_empty() { &self.slopes.tangents[..] } else { &[] };
         self.setup.reached.iter().chain(own.iter().flat_map(|t| &t.drivers))
     }
 }
 
-/// The residual of a fitted model with what may explain it already: its own numbers, drifting sensors, and the
-/// first reading of the room, at which every node starts.
+/// Residual of a fitted model with the columns that may already explain it: its own parameters, drifting sensors, and the error of
+/// the first ambient reading, at which all nodes start.
 fn evidence(
     setup: &Setup,
     fitted: &Fitted,
@@ -349,7 +352,7 @@ fn evidence(
         }
         all
     };
-    // The numbers of the model.
+    // Parameters of the model.
     let mut apart: Vec<f64> = setup
         .declared
         .iter()
@@ -367,7 +370,7 @@ fn evidence(
         })
         .collect();
     apart.resize(columns.len(), f64::NAN);
-    // Where the nodes start, run by run.
+    // Initial temperatures, run by run.
     let ambient = setup.experiment.inputs.iter().position(|c| c.is_temperature());
     if let Some(ambient) = ambient {
         for own in 0..runs.len() {
@@ -388,7 +391,7 @@ fn evidence(
     });
     let count = (((to - from) / KNOT).ceil() as usize).clamp(1, MOST_KNOTS) + 1;
     let points: Vec<f64> = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect();
-    // Zeros of sensors: of what is read, and of what drives. Those of thermometers are among the drifts.
+    // Zero offsets of sensors of outputs and inputs. Those of thermometers are included in the drifts.
     let m = setup.outputs();
     let inputs = setup.experiment.inputs.len();
     let zeros = (0..inputs + m).filter(|k| {
@@ -409,7 +412,7 @@ fn evidence(
         columns.push(column);
         apart.push(0.0);
     }
-    // What the stores remember of noisy inputs: white noise, taken together between points.
+    // Input noise stored in heat capacities: white noise, combined between knots.
     for input in &setup.remembered {
         for (k, point) in points.iter().enumerate() {
             let column = gather(&|r| {
@@ -429,8 +432,9 @@ fn evidence(
         }
     }
     let known = columns.len();
-    // What drifting sensors of the outputs and of the room would do: thermometers are of one kind and drift alike, as far as the noise of
-    // the loudest.
+    // Responses to drifting sensors of the outputs and of the ambient temperature: thermometers are of the same kind and have the same
+    // drift, up
+    // to the noise of the noisiest one.
     let all = || setup.experiment.inputs.iter().chain(&setup.experiment.outputs).enumerate();
     let thermometers = all().filter(|(k, c)| c.is_temperature() && *k >= inputs).map(|(k, _)| setup.noise[k]);
     let loudest = thermometers.fold(0.0, f64::max);

@@ -1,9 +1,9 @@
-//! What a trial changes of a model before it is run.
+//! Overrides of a model's parameters and terms for one simulation.
 
 use physics::model::Slot;
 use physics::terms::GenericTerm;
 
-/// A change of a model.
+/// Overrides of a model.
 #[derive(Clone, Debug, Default)]
 pub struct Override {
     /// Values of parameters.

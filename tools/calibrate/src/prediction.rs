@@ -1,13 +1,15 @@
-//! Prediction intervals: how far a reading may be from the repaired model.
+//! Prediction intervals of the repaired model for single readings.
 //!
 //! var(y_k - y(t_k)) = sigma^2 + j_k' C j_k + (kappa d_k)^2                                  (1)
 //! kappa^2 = max(0, sum_k [(y_k - y(t_k))^2 - sigma^2 - j_k' C j_k] / sum_k d_k^2)           (2)
 //!
-//! sigma is the noise of an output with what the noise of the inputs adds to it at once, j the sensitivities of the output to the fitted
-//! numbers, and C their covariance. The last term is the structure error: what the model cannot follow with any numbers grows with the
-//! excursion d of the output, the rise of a temperature over the first row, else the value. (2) estimates it by moments from runs that
-//! were not fitted, where there are any.
-//! *Assumes* a normal distribution, and that the runs of (2) are as far from the fitted ones as those that are predicted.
+//! sigma is the noise of an output including the direct contribution of input noise, j the sensitivities of the output to the fitted
+//! parameters, and C their covariance. The last term is the structure error, the part that no parameter values can reproduce. It is
+//! proportional
+//! to the excursion d of the output: for a temperature the rise over the first row, otherwise the value. (2) is a moment estimate from
+//! runs that
+//! were not fitted, if there are any.
+//! *Assumes* a normal distribution, and the same structure error relative to d in the runs of (2) as in those that are predicted.
 //! *Source*: Kennedy, O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464, for the three parts.
 
 use crate::fit::Slopes;
@@ -15,11 +17,11 @@ use crate::hypothesis::Hypothesis;
 use crate::setup::{Setup, Shown};
 use nalgebra::DMatrix;
 
-/// Of a normal distribution, 95 % lie within this many standard deviations.
+/// 97.5 % quantile of the standard normal distribution.
 const SURE: f64 = 1.96;
 
-/// The first two terms of (1) at every row of a run, rows times outputs: the `r`-th of the linearised runs, with the covariance of the
-/// numbers in their units.
+/// First two terms of (1) at every row of a run, rows times outputs; `r` is the index among the linearised runs, the covariance is in the
+/// parameters' units.
 pub fn variance(
     setup: &Setup,
     hypothesis: &Hypothesis,
@@ -41,7 +43,7 @@ pub fn variance(
     all
 }
 
-/// Eq. (2) for each output over runs, with the predicted outputs and the variances of each.
+/// Eq. (2) for each output over runs, from the predicted outputs and their variances.
 pub fn structure(setup: &Setup, runs: &[usize], predicted: &[&Shown], variances: &[Vec<f64>]) -> Vec<f64> {
     let m = setup.outputs();
     let mut sums = vec![(0.0, 0.0); m];
@@ -55,7 +57,7 @@ pub fn structure(setup: &Setup, runs: &[usize], predicted: &[&Shown], variances:
     sums.into_iter().map(|(excess, size)| if size > 0.0 { (excess / size).max(0.0) } else { 0.0 }).collect()
 }
 
-/// Half the width of the 95 % interval at every row of a run, by (1) with kappa^2 of each output.
+/// Half width of the 95 % interval at every row of a run, by (1) with kappa^2 of each output.
 pub fn half_widths(setup: &Setup, predicted: &Shown, variance: &[f64], structure: &[f64]) -> Shown {
     let half = |(place, variance): (usize, &f64)| {
         let of_structure = structure[place % setup.outputs()] * excursion(setup, predicted, place).powi(2);
@@ -64,7 +66,7 @@ pub fn half_widths(setup: &Setup, predicted: &Shown, variance: &[f64], structure
     variance.iter().enumerate().map(half).collect()
 }
 
-/// The root mean square of half the widths over the readings of each output, and the fraction of the readings inside; NaN without one.
+/// Root mean square of the half widths over the readings of each output, and the fraction of readings inside; NaN without readings.
 pub fn coverage(
     setup: &Setup,
     runs: &[usize],
@@ -99,7 +101,7 @@ mod tests {
 
     const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
 
-    /// The intervals of a model that is right hold 95 % of its readings; those of one with a structure error are as much wider.
+    /// The intervals of a correct model contain 95 % of its readings; those of a model with structure error are wider accordingly.
     #[test]
     fn intervals_hold_what_they_promise() {
         let mut experiment = testing::experiment(PRIORS, true);
@@ -129,7 +131,7 @@ mod tests {
         // 300 readings: 0.95 +- 3 standard deviations.
         assert!((inside - 0.95).abs() < 0.04 && kappa < 1e-3, "{inside} {kappa}");
         assert!((width / (SURE * testing::NOISE) - 1.0).abs() < 0.1, "{width}");
-        // A winding that rises by 2 % more.
+        // Winding with a temperature rise 2 % higher.
         let column = &mut experiment.runs[0].table.columns[inputs + 2];
         let cold = column[0];
         column.iter_mut().for_each(|x| *x += 0.02 * (*x - cold));
@@ -140,7 +142,7 @@ mod tests {
         );
     }
 
-    /// Uncertain numbers widen the interval by what the outputs answer to them: R of a winding by the voltage at its current.
+    /// Uncertain parameters widen the interval according to the sensitivity of the outputs: R of a winding via the voltage at its current.
     #[test]
     fn uncertain_numbers_widen_the_interval() {
         let mut experiment = testing::experiment(PRIORS, false);

@@ -1,7 +1,7 @@
-//! `report.json`: what closing the loop has come to, for a script.
+//! `report.json`: result of a close-loop run for scripts.
 //!
 //! The keys `name`, `verdict`, `seconds`, `effects`, `unexplained`, `parameters`, `error` and `fmu` are the contract;
-//! the others tell the rest of [`Outcome`] in its own words. A number that is not finite is null.
+//! the other keys follow the rest of [`Outcome`]. A number that is not finite is null.
 
 mod law;
 
@@ -13,10 +13,10 @@ use physics::terms::{Driver, Port};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
-/// The roles in the order in which they are told.
+/// The roles in the order of the report.
 pub const ROLES: [Role; 3] = [Role::Fit, Role::Validate, Role::Test];
 
-/// A column in words without its unit, and the unit of a difference in it.
+/// Readable name of a column without its unit, and the unit of a difference in it.
 pub fn column_words(column: &str) -> (String, &'static str) {
     for (end, unit) in [
         ("rad_per_s", "rad/s"),
@@ -44,21 +44,21 @@ pub fn role_name(role: Role) -> &'static str {
     }
 }
 
-/// Unit of a driver; 1 for a pure number.
+/// Unit of a driver; 1 if dimensionless.
 pub fn driver_unit(driver: Driver) -> &'static str {
     driver.unit().name()
 }
 
-/// The exported FMUs against the model that they are made of.
+/// Comparison of the exported FMUs with the native model.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Replay {
-    /// Greatest difference of an error (RMSE), as a share of its channel's range.
+    /// Greatest difference of an error (RMSE), as a fraction of its channel's range.
     pub greatest_difference: f64,
-    /// Greatest difference of a single value, as a share of its channel's range.
+    /// Greatest difference of a single value, as a fraction of its channel's range.
     pub greatest_difference_of_a_value: f64,
-    /// What the former must not exceed.
+    /// Limit of `greatest_difference`.
     pub limit: f64,
-    /// Whether it does not, of what was replayed.
+    /// Whether the replayed runs meet the limit.
     pub agrees: bool,
     /// The runs that were replayed.
     pub replayed: Vec<String>,
@@ -81,15 +81,15 @@ pub struct ReplayedChannel {
     pub rmse: f64,
     /// Error of the native model.
     pub after: f64,
-    /// Greatest less least measured value.
+    /// Difference of the greatest and the least reading.
     pub range: f64,
-    /// Difference of the errors as a share of the range.
+    /// Difference of the errors as a fraction of the range.
     pub difference: f64,
-    /// Greatest difference of a value as a share of the range, where the native values are known.
+    /// Greatest difference of a value as a fraction of the range, if the native values are known.
     pub difference_of_a_value: f64,
 }
 
-/// What a report was made of.
+/// Origin of a report.
 #[derive(Clone, Debug, Serialize)]
 pub struct Provenance {
     /// Name and version of the program.
@@ -100,7 +100,7 @@ pub struct Provenance {
     pub date: String,
 }
 
-/// The file.
+/// Contents of the file.
 #[derive(Debug, Serialize)]
 pub struct Report<'a> {
     name: &'a str,
@@ -134,13 +134,13 @@ pub struct Report<'a> {
 /// The time budget.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Budget {
-    /// Wall time that everything may take, s.
+    /// Limit of the wall time, s.
     pub seconds: f64,
     /// Whether it ended the search.
     pub exhausted: bool,
 }
 
-/// Why nothing can be said.
+/// Reason why the data are unusable.
 #[derive(Debug, Serialize)]
 struct UnusableText<'a> {
     channel: &'a str,
@@ -148,7 +148,7 @@ struct UnusableText<'a> {
     suggestion: &'a str,
 }
 
-/// A list of named things that is written as an object, in this order.
+/// List of named items that is written as an object, in this order.
 #[derive(Debug)]
 struct InOrder<'a, T>(Vec<(&'a str, T)>);
 
@@ -216,7 +216,7 @@ struct Errors {
     blackbox: Option<f64>,
 }
 
-/// 95 % prediction intervals of the repaired model: root mean square of half the widths, and the fraction of the readings inside.
+/// 95 % prediction intervals of the repaired model: root mean square of the half widths, and the fraction of readings inside.
 #[derive(Debug, Serialize)]
 struct Prediction {
     half_width: f64,
@@ -265,8 +265,8 @@ struct Limit<'a> {
 }
 
 impl<'a> Report<'a> {
-    /// The report of an outcome; `fmu` are the archives that were written, relative to the report, `notes` are the
-    /// outcome's with what was odd since, `seconds` is the wall time of all that was done.
+    /// Report of an outcome; `fmu` are the exported archives, relative to the report, `notes` are the outcome's with those added since,
+    /// `seconds` is the total wall time.
     pub fn new(
         outcome: &'a Outcome,
         fmu: &'a [String],
@@ -336,13 +336,13 @@ impl<'a> Report<'a> {
 }
 
 impl<'a> Report<'a> {
-    /// With what it was made of.
+    /// Adds the origin.
     #[must_use]
     pub fn made_of(self, provenance: &'a Provenance) -> Report<'a> {
         Report { provenance: Some(provenance), ..self }
     }
 
-    /// The report on an experiment of which nothing can be said.
+    /// Report on an experiment with unusable data.
     pub fn unusable(
         (name, model): (&'a str, &'static str),
         why: &'a Unusable,

@@ -1,11 +1,11 @@
-//! One further effect at a time: the best of what was scored are fitted with all the other numbers, compete, and have to
-//! pass the gate.
+//! Stepwise selection of one further effect at a time: the best candidates are fitted jointly with all other parameters, compared, and
+//! subjected to the acceptance tests.
 //!
-//! cost = -2 log p + ln n for each number, n the blocks (Schwarz, Annals of Statistics 6 (1978) 461-464)     (1)
+//! cost = -2 log p + ln n for each parameter, n the number of blocks (Schwarz, Annals of Statistics 6 (1978) 461-464)     (1)
 //!
-//! The gate asks, in this order: does (1) fall by more than 10 with the noise taken as white and with its own memory;
-//! are sign and size physical; does every run want the same size; is what was not fitted predicted better. Without it
-//! the cost alone finds effects in every bench whose thermocouples drift.
+//! The acceptance tests, in this order: (1) decreases by more than 10, both for white and for autocorrelated noise; sign and size are
+//! physical; all runs agree on the size; the validation error decreases. With the cost alone, effects would be found on every bench with
+//! drifting thermocouples.
 
 mod gate;
 
@@ -20,74 +20,77 @@ pub use gate::{acting, predicts_where_it_acts};
 use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 
-/// Fall of the cost that a term needs: very strong evidence. *Source*: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec. 3.2.
+/// Reduction of the cost required for a term: very strong evidence. *Source*: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
+/// 3.2.
 pub const LEAST: f64 = 10.0;
-/// What a candidate that predicts worse has to explain to be tried together with another.
+/// Reduction of the cost by which a candidate with greater validation error is still tried in combination with another.
 const PROMISING: f64 = 100.0;
-/// Costs as near as this cannot be told apart, and what predicts better does so by as much: strong evidence. *Source*: as above.
+/// Costs that differ by less cannot be distinguished; a lower validation cost must differ by as much: strong evidence. *Source*: as above.
 pub const NEAR: f64 = 6.0;
-/// Contenders: effects of the list, powers, shapes, laws with a lag.
+/// Numbers of candidates: effects of the list, power laws, shapes, laws with a lag.
 const CANDIDATES: [usize; 4] = [4, 2, 2, 2];
-/// The same, by another measure.
+/// Numbers of additional candidates, ranked by the other measure.
 const FURTHER: [usize; 4] = [3, 1, 1, 1];
-/// What brings a store of its own is simulated ten times as slowly, and competes only where what is sure of it is this share of the
-/// best.
+/// A candidate with its own heat capacity takes ten times as long to simulate; it is fitted only if its evidence is at least this fraction
+/// of
+/// the best.
 const STORED: f64 = 0.2;
-/// Laws as near as this, as a number and as a share, are chosen by what they predict.
+/// Laws whose costs differ by less than this (absolute, relative) are selected by validation error.
 const PREDICTING: (f64, f64) = (30.0, 0.02);
-/// A table that predicts better than a power by less than this share is not clearly better.
+/// A table must have a validation error smaller than that of a power law by this factor.
 const CLEARLY: f64 = 1.05;
-/// Error on what was not fitted, over that of an effect of the list, below which a law predicts far better.
+/// A law predicts far better if its validation error is below this fraction of that of the listed effect.
 const AHEAD: f64 = 0.7;
 
-/// A candidate that was fitted.
+/// Fitted candidate.
 pub struct Candidate<'a> {
-    /// What it is, in words.
+    /// Description.
     pub name: String,
-    /// With everything around it, linearised anew.
+    /// Complete model with the candidate, linearised after the fit.
     pub point: Linearization<'a>,
-    /// Fall of (1) with the noise's own memory, and for white noise.
+    /// Reduction of (1) for autocorrelated noise, and for white noise.
     pub delta: (f64, f64),
-    /// Error on what was not fitted, over that without; `None` where there is nothing.
+    /// Ratio of validation error with it to validation error without it; `None` without validation data.
     pub validation: Option<f64>,
-    /// Why it is not taken, in one sentence.
+    /// Reason for rejection, in one sentence.
     pub refused: Option<String>,
 }
 
 impl Candidate<'_> {
-    /// What speaks for it whichever way the noise is taken.
+    /// Evidence under the less favourable of the two noise models.
     pub fn sure(&self) -> f64 {
         self.delta.0.min(self.delta.1)
     }
 
-    /// What was added.
+    /// The addition to the model.
     pub fn addition(&self) -> &Addition {
         let additions = &self.point.fitted.hypothesis.additions;
         &additions[additions.len() - 1]
     }
 }
 
-/// What a round has come to.
+/// Result of one round of the selection.
 pub struct Round<'a> {
-    /// All that were fitted, the best first.
+    /// All fitted candidates, best first.
     pub candidates: Vec<Candidate<'a>>,
-    /// The one that is taken, by its place.
+    /// Index of the accepted candidate.
     pub taken: Option<usize>,
-    /// Why it was taken though it does not pass the gate by itself.
+    /// Reason for accepting it although it fails an acceptance test.
     excuse: Option<&'static str>,
-    /// Others that the data cannot tell from it.
+    /// Candidates that the data cannot distinguish from it.
     pub alike: Vec<usize>,
-    /// Candidates that could not be fitted, and why.
+    /// Candidates that could not be fitted, with the reason.
     failed: Vec<(Scored, CalibrateError)>,
 }
 
 impl<'a> Round<'a> {
-    /// What was taken.
+    /// The accepted candidate.
     pub fn winner(&self) -> Option<&Candidate<'a>> {
         self.taken.map(|taken| &self.candidates[taken])
     }
 
-    /// The one that explains most but predicts worse, where that is a lot: something else may spoil what it predicts.
+    /// The candidate that explains most but has a greater validation error, if it explains a lot: another missing effect may cause the
+    /// validation error.
     pub fn promising(&self) -> Option<usize> {
         let predicts_worse = |c: &Candidate| c.validation.is_some_and(|ratio| ratio >= 1.0);
         let first = self.candidates.iter().position(|c| at_limit(c.addition()).is_none())?;
@@ -95,7 +98,7 @@ impl<'a> Round<'a> {
         (self.taken.is_none() && predicts_worse(best) && best.sure() > PROMISING).then_some(first)
     }
 
-    /// The same with one of its candidates taken though it does not pass the gate, and why.
+    /// The same round with a candidate accepted although it fails an acceptance test, with the reason.
     pub fn with_taken(mut self, k: usize, excuse: &'static str) -> Round<'a> {
         self.candidates[k].refused = None;
         self.taken = Some(k);
@@ -103,7 +106,7 @@ impl<'a> Round<'a> {
         self
     }
 
-    /// The same with nothing taken, and why not what was.
+    /// The same round without an accepted candidate, with the reason for rejecting it.
     pub fn without_taken(mut self, reason: &str) -> Round<'a> {
         if let Some(k) = self.taken.take() {
             self.candidates[k].refused = Some(reason.to_string());
@@ -111,12 +114,12 @@ impl<'a> Round<'a> {
         self
     }
 
-    /// Whether what was taken also passes the gate beside a point that lies further back.
+    /// Whether the accepted candidate also passes the acceptance tests relative to an earlier model.
     pub fn passes_beside(&self, point: &Linearization) -> bool {
         self.winner().is_some_and(|c| matches!(gate(point, c), Ok((_, None))))
     }
 
-    /// The same with another point for what was taken.
+    /// The same round with another linearization for the accepted candidate.
     pub fn with_point(mut self, point: Linearization<'a>) -> Round<'a> {
         if let Some(taken) = self.taken {
             self.candidates[taken].point = point;
@@ -124,7 +127,7 @@ impl<'a> Round<'a> {
         self
     }
 
-    /// The round as a report tells it.
+    /// Candidate table of the round for the report.
     pub fn candidate_table(&self, round: usize) -> Vec<Evidence> {
         let best = self.winner().map(|c| c.name.clone());
         let failed = self.failed.iter().map(|(scored, error)| Evidence {
@@ -164,8 +167,8 @@ impl<'a> Round<'a> {
     }
 }
 
-/// Lets the best of what was scored at a point compete; `point` is the model without any of them, and their fits begin at
-/// `start`. A candidate with which the model cannot be run is listed with the reason.
+/// Fits and compares the best candidates scored at `point`, the model without any of them; their fits start at `start`. A candidate
+/// with which the model cannot be run is listed with the reason.
 pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
     let chosen = choose(scored);
     let fitted: Vec<Result<Candidate<'a>, CalibrateError>> =
@@ -183,7 +186,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     for candidate in &mut candidates {
         candidate.refused = at_limit(candidate.addition());
     }
-    // An effect of the list stands for a shape that explains hardly more, and a law without a further state for one with it.
+    // A listed effect is preferred to a shape that explains little more, and a law without an additional state to one with it.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
     let first = order.first().map(|k| &candidates[*k]);
     let best = first.map_or(0.0, Candidate::sure);
@@ -197,14 +200,14 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     order.sort_by_key(|k| !stands(&candidates[*k]));
     order_by_likelihood(&candidates, &mut order);
     for k in order {
-        // Who explains far less than one that was taken is not looked at.
+        // A candidate that explains far less than an accepted one is not tested.
         if taken.is_some_and(|t: usize| candidates[t].sure() - candidates[k].sure() > NEAR) {
             continue;
         }
         if taken.is_some() && !candidates[k].addition().is_listed() {
             continue;
         }
-        // A candidate that cannot be run where it must prove itself has not proved itself.
+        // A candidate that cannot be simulated in the validation runs is rejected.
         let (validation, refused) =
             gate(point, &candidates[k]).unwrap_or_else(|e| (None, Some(format!("cannot be judged: {e}"))));
         candidates[k].validation = validation;
@@ -219,15 +222,15 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     if taken.is_some_and(|t| !candidates[t].addition().is_listed()) {
         alike.clear();
     }
-    // From the others nothing is looked at any more.
+    // The linearizations of the other candidates are no longer needed.
     let first = candidates.iter().position(|c| at_limit(c.addition()).is_none());
     let rest = candidates.iter_mut().enumerate().filter(|(k, _)| ![taken, first].contains(&Some(*k)));
     rest.for_each(|(_, candidate)| candidate.point.release());
     Round { candidates, taken, excuse: None, alike, failed }
 }
 
-/// Of two laws of no list that explain the same, the likelier comes first: a sensor that errs by what the motor does is rarer than a
-/// motor that does it, and what happens at a node follows the temperature of that node.
+/// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
+/// sensor error that depends on the motor, and an effect at a node depends on the temperature of that node.
 fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>) {
     let unnamed = |k: &usize| !candidates[*k].addition().is_listed();
     for strange in [is_at_a_sensor as fn(&Addition) -> bool, follows_another_node] {
@@ -269,8 +272,9 @@ fn is_sensor(port: Port) -> bool {
     matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor | Port::TorqueSensor)
 }
 
-/// Of the laws at the port and over the driver of the `k`-th candidate, the one that predicts best what was not fitted. A power goes
-/// on where a table is held: a table has to be clearly better.
+/// Among laws with the port and driver of the `k`-th candidate, the one with the smallest validation error. A power law extrapolates, a
+/// table is
+/// held constant: a table has to be clearly better.
 fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize) -> usize {
     let place = |c: &Candidate| (c.addition().port, c.addition().follows);
     if candidates[k].addition().is_listed() {
@@ -299,7 +303,7 @@ fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize
     best
 }
 
-/// An effect of the list stands for a law that explains hardly more, but not for one at its port that also predicts far better.
+/// A listed effect is preferred to a law that explains little more, unless a law at its port also has a far smaller validation error.
 fn law_ahead(point: &Linearization, candidates: &mut [Candidate], k: usize) -> Option<usize> {
     let own = &candidates[k];
     let (port, sure, foretold) = (own.addition().port, own.sure(), own.validation?);
@@ -313,8 +317,8 @@ fn law_ahead(point: &Linearization, candidates: &mut [Candidate], k: usize) -> O
     ahead.then_some(law)
 }
 
-/// The most promising of each kind, of different effects, ports or drivers: first by what is sure, then by what explains
-/// most if no sensor drifts. Where a large effect has led the parameters astray, one of both misleads.
+/// The most promising candidates of each kind, with distinct effects, ports or drivers: ranked by evidence allowing for sensor drift, then
+/// by evidence without drift. If a large missing effect biases the parameters, one of the rankings is misleading.
 fn choose(scored: &[Scored]) -> Vec<&Scored> {
     let mut chosen: Vec<&Scored> = Vec::new();
     let surest = scored.iter().map(Scored::sure).fold(0.0, f64::max);
@@ -328,7 +332,7 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
             let Some(addition) = &candidate.addition else { continue };
             let k = addition.kind();
             let names = chosen.iter().filter(|c| c.name == candidate.name).count();
-            // An effect may act in other runs than was thought at first.
+            // An effect may act in other runs than first estimated, so two variants are allowed.
             let twice = names > usize::from(k == 0 && candidate.name.ends_with("some runs"));
             let far = (worth(candidate) < 0.3 * best && taken[k] >= 1)
                 || (addition.is_store() && candidate.sure() < STORED * surest);
@@ -343,10 +347,10 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
     chosen
 }
 
-/// The point's numbers with a further addition, where its fit begins.
+/// Parameters of the fitted model with a further addition: start values of its fit.
 fn initial_guess(setup: &Setup, start: &Hypothesis, addition: &Addition) -> Hypothesis {
     let mut hypothesis = start.clone();
-    // A parameter that stands in for the effect is far off; from there the way back is long, or there is none.
+    // A parameter that compensates for the effect is far off; a fit started from there converges slowly or not at all.
     for (value, declared) in hypothesis.declared.iter_mut().zip(&setup.declared) {
         if declared.astray(*value) {
             *value = declared.prior;
@@ -375,7 +379,7 @@ fn fitted<'a>(
     Ok(Candidate { name: scored.name.clone(), point: larger, delta, validation: None, refused: None })
 }
 
-/// A number of an addition that stands at a limit, in one sentence.
+/// Sentence on a parameter of an addition that is at a limit.
 fn at_limit(addition: &Addition) -> Option<String> {
     let stuck = addition.numbers.iter().find(|number| {
         let (least, most) = number.limits;

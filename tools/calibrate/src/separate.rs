@@ -1,8 +1,10 @@
-//! The further run, or the further reading, that would tell two models apart which the data cannot: computed from both.
+//! Further run or reading that would distinguish two models between which the data cannot decide: predicted with both.
 //!
-//! Every output that a bench could read is compared over the runs that there are and over runs of half an hour that the inputs'
-//! ranges allow, half of it loaded and half at rest. The greatest difference wins, in noise levels where the reading is one of the
-//! experiment's, else in hundredths of its own greatest value.
+//! Every output that a bench can measure is compared over the existing runs and over half-hour runs within the inputs' ranges, half of
+//! each
+//! loaded and half at rest. The greatest difference is selected, in standard deviations of the noise for outputs measured in the
+//! experiment,
+//! otherwise in hundredths of the output's greatest value.
 
 use crate::experiment::{CHANNELS, Channel};
 use crate::hypothesis::Hypothesis;
@@ -10,30 +12,31 @@ use crate::setup::Setup;
 use crate::simulate::Drive;
 use physics::model::{Model, Slot};
 
-/// Rows of a run that is thought of, and their distance, s.
+/// Rows of a proposed run, and their interval, s.
 const ROWS: (usize, f64) = (180, 10.0);
-/// Shares of an input's greatest value at which it is held.
+/// Fractions of an input's greatest value at which it is held.
 const LEVELS: [f64; 3] = [0.0, 0.5, 1.0];
 
-/// A reading that would differ.
+/// Output that would differ.
 struct Reading {
     name: &'static str,
     slot: Slot,
-    /// What it reads to.
+    /// Standard deviation of its noise.
     noise: Option<f64>,
     is_temperature: bool,
 }
 
-/// An experiment has to tell so many times as much as a gentler one, which comes first: where both tell the same, rounding would choose.
+/// An experiment must distinguish better by this factor than a gentler one, which comes first; otherwise rounding would decide between
+/// equal ones.
 const CLEARER: f64 = 1.01;
 
-/// One difference.
+/// Difference between the predictions.
 struct Difference {
     sentence: String,
     levels: f64,
 }
 
-/// What would tell the `other` model from `one`, in one sentence; `names` are theirs.
+/// Sentence with the experiment that would distinguish the `other` model from `one`; `names` are their names.
 pub fn separate(setup: &Setup, one: &Hypothesis, other: &Hypothesis, names: [&str; 2]) -> Option<String> {
     let readings = readings(setup);
     let mut best: Option<Difference> = None;
@@ -56,7 +59,7 @@ pub fn separate(setup: &Setup, one: &Hypothesis, other: &Hypothesis, names: [&st
     Some(format!("{} between {a} and {b}", best.sentence))
 }
 
-/// A run in which what the models have acts.
+/// A run in which the additions of the models act.
 fn active_run(setup: &Setup, one: &Hypothesis, other: &Hypothesis) -> usize {
     let all = |h: &Hypothesis, run: usize| h.additions.iter().filter(|a| a.active[run]).count();
     let runs = 0..setup.experiment.runs.len();
@@ -81,7 +84,7 @@ fn readings(setup: &Setup) -> Vec<Reading> {
     channels.chain(resistance).collect()
 }
 
-/// Runs that the inputs' ranges allow: every input at a level, half a run long, then at rest.
+/// Proposed runs within the inputs' ranges: every input at a level for half of the run, then at rest.
 fn designs(setup: &Setup) -> Vec<(String, Drive)> {
     let inputs = &setup.experiment.inputs;
     let most: Vec<f64> =
@@ -135,13 +138,13 @@ fn compare(
         let see = |model: &mut dyn Model, _: usize| {
             all.iter_mut().zip(readings).for_each(|(column, r)| column.push(model.get(r.slot)));
         };
-        // No experiment that would destroy the motor: one that ends at a limit of validity separates nothing.
+        // A run that ends at a limit of validity could destroy the motor and is not proposed.
         let ending = setup.bench.along(drive, model.as_mut(), see).ok()?;
         ending.is_none().then_some(all)
     };
     let (a, b) = (show(one)?, show(other)?);
     let differences = readings.iter().enumerate().filter_map(|(k, reading)| {
-        // What was measured already and could not tell them apart is no news.
+        // An output that was already measured in an existing run did not distinguish the models.
         if !new && reading.noise.is_some() {
             return None;
         }
@@ -154,7 +157,7 @@ fn compare(
             Some(noise) => apart.abs() / noise,
             None => 100.0 * apart.abs() / size.max(1e-12),
         };
-        // A hundredth of a reading that hardly moves is nothing.
+        // An output that is nearly constant cannot distinguish models by hundredths of its value.
         (levels.is_finite() && apart.abs() > 1e-9).then(|| Difference {
             sentence: format!(
                 "{what}, {} would differ by {:.3} ({:.0} {}) after {:.0} s",
@@ -179,8 +182,8 @@ mod tests {
         Hypothesis { additions: vec![testing::addition(setup, id, size)], ..setup.preset() }
     }
 
-    /// Drags that grow with the root of the speed and with its square, alike at the one speed of the run: another speed shows
-    /// it, at the shaft.
+    /// Drags that grow with the root and with the square of the speed are equal at the one speed of the run: a run at another speed
+    /// distinguishes them by the shaft torque.
     #[test]
     fn another_speed_tells_drags_apart() {
         let experiment = testing::experiment("", false);
@@ -197,11 +200,11 @@ mod tests {
                 && sentence.ends_with("between iron_loss and windage")
         );
         assert!(sentence.contains("speed_rad_per_s = 200"), "{sentence}");
-        // What the shaft gives up is heat: read to a thousandth, that shows more than the torque does.
+        // Friction power becomes heat: a temperature read to a thousandth distinguishes better than the torque.
         assert!(sentence.contains("winding_temperature_degC would differ"), "{sentence}");
     }
 
-    /// A winding's sensor that nobody read: its offset shows there and nowhere else.
+    /// The offset of a winding sensor without readings changes only that sensor's output.
     #[test]
     fn a_reading_that_was_not_taken_is_asked_for() {
         let mut experiment = testing::experiment("", true);

@@ -1,4 +1,4 @@
-//! Experiments whose readings are the model's own: for tests.
+//! Experiments with readings simulated by the model itself, for tests.
 
 use crate::experiment::Experiment;
 use crate::hypothesis::{Addition, Hypothesis};
@@ -8,19 +8,19 @@ use physics::terms::GenericTerm;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// Noise that the experiment states, in the channels' units: small beside everything.
+/// Noise stated in the experiment, in the channels' units: negligible.
 pub const NOISE: f64 = 1e-3;
 
 /// Columns of all outputs.
 pub const OUTPUTS: [&str; 4] =
     ["voltage_V", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"];
 
-/// An experiment of one run, 300 rows of 5 s: loads, speeds and the fan come and go; `wild` false: all stand still. No reading yet.
+/// One run of 300 rows of 5 s with varying load, speed and fan; constant inputs if `wild` is false. Without readings.
 pub fn experiment(priors: &str, wild: bool) -> Experiment {
     driven_by(("current_A", 1.0, 90.0), &OUTPUTS, priors, wild)
 }
 
-/// The same with a column of the drive, its ampere in this column's unit, a period of the speed over 2 pi, s, and columns of outputs.
+/// The same with a column for the drive, one ampere in this column's unit, the period of the speed over 2 pi in s, and output columns.
 pub fn driven_by(
     (drive, factor, period): (&str, f64, f64),
     outputs: &[&str],
@@ -52,7 +52,7 @@ pub fn driven_by(
     Experiment::read(&folder.path().join("e.toml")).unwrap()
 }
 
-/// Lets the run read what the model shows with these parameters and a term.
+/// Fills the run with readings simulated with these parameters and a term.
 pub fn read(experiment: &mut Experiment, declared: &[f64], term: Option<GenericTerm>) {
     read_of(experiment, |setup| {
         let truth = Hypothesis { declared: declared.to_vec(), additions: Vec::new() };
@@ -62,7 +62,7 @@ pub fn read(experiment: &mut Experiment, declared: &[f64], term: Option<GenericT
     });
 }
 
-/// Lets the run read what the model shows with a change.
+/// Fills the run with readings simulated with a change.
 pub fn read_of(experiment: &mut Experiment, change: impl Fn(&Setup) -> Override) {
     let columns = {
         let setup = Setup::new(experiment, &[]).unwrap().exact();
@@ -72,7 +72,7 @@ pub fn read_of(experiment: &mut Experiment, change: impl Fn(&Setup) -> Override)
     experiment.runs[0].table.columns.splice(inputs.., columns);
 }
 
-/// An effect of the list with its size.
+/// Listed effect with its size.
 pub fn addition(setup: &Setup, id: &str, size: f64) -> Addition {
     let listed = crate::catalogue::LISTED.iter().find(|l| l.id == id).unwrap();
     let mut addition = listed.addition(setup, &[true]).unwrap();
@@ -80,12 +80,12 @@ pub fn addition(setup: &Setup, id: &str, size: f64) -> Addition {
     addition
 }
 
-/// Random numbers, the same for a seed on every machine.
+/// Random number generator; the sequence for a seed is the same on every machine.
 pub fn rng(seed: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(seed)
 }
 
-/// A number of mean 0 and standard deviation 1, nearly normal: a sum of twelve uniform ones.
+/// Approximately normal random number of mean 0 and standard deviation 1: sum of twelve uniform ones.
 pub fn normal(rng: &mut Pcg64Mcg) -> f64 {
     (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0
 }

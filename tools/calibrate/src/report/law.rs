@@ -4,8 +4,8 @@ use super::unit;
 use physics::terms::{Driver, GenericTerm, Law};
 use serde::Serialize;
 
-/// A term's law: value = coefficient * product of ((driver - offset) / reference)^exponent, a table, or a grid over two drivers;
-/// with a lag, a first-order lag of a driver stands in its place.
+/// Law of a term: value = coefficient * product of ((driver - offset) / reference)^exponent, a table, or a grid over two drivers;
+/// with a lag, the driver is replaced by its first-order lag.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct LawText {
     unit: &'static str,

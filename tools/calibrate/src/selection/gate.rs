@@ -1,4 +1,4 @@
-//! What a candidate has to pass: does it explain enough, is it physical, is it the same in every run, does it foretell.
+//! Acceptance tests of a candidate: evidence, physical sign and size, the same size in every run, validation error.
 
 use super::{Candidate, LEAST, NEAR, is_sensor};
 use crate::CalibrateError;
@@ -8,20 +8,20 @@ use crate::hypothesis::Hypothesis;
 use crate::linearization::Linearization;
 use crate::setup::{Setup, Shown};
 
-/// Share of a run that is held out where no validation run has the effect.
+/// Fraction of a run that is held out if the effect acts in no validation run.
 const HELD_OUT: f64 = 0.25;
-/// A sensor is calibrated to so many deviations of its noise.
+/// Calibration accuracy of a sensor, in standard deviations of its noise.
 const CALIBRATED: f64 = 0.5;
-/// Error on what was not fitted, over that without, that a term may have at most: one of the list, one of none. Asked for of
-/// those that lower BIC by less than the second number.
+/// Greatest ratio of validation errors with and without a term: listed, unlisted. Required of terms that lower BIC by less than the
+/// second number.
 const HARDLY: (f64, f64) = (0.995, 0.98);
 const WEAK: f64 = 100.0;
-/// A size within this share of itself in every run is the same.
+/// Sizes in single runs that differ by less than this fraction are regarded as equal.
 const ALIKE: f64 = 0.35;
 
 type Judged = (Option<f64>, Option<String>);
 
-/// Whether a candidate passes: its error on what was not fitted over that without, and why not.
+/// Applies the acceptance tests: ratio of validation errors with and without the candidate, and the reason for rejection.
 pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, CalibrateError> {
     let (white, raw) = candidate.delta;
     if raw <= LEAST || white <= LEAST {
@@ -65,7 +65,7 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
     Ok((validation, None))
 }
 
-/// An effect of the list at a sensor that is within what sensors are calibrated to, in one sentence.
+/// Sentence on a listed sensor effect that is smaller than the calibration accuracy.
 fn within_calibration(candidate: &Candidate) -> Option<String> {
     let (setup, addition) = (candidate.point.setup, candidate.addition());
     if !addition.is_listed() || !is_sensor(addition.port) {
@@ -78,7 +78,7 @@ fn within_calibration(candidate: &Candidate) -> Option<String> {
     })
 }
 
-/// A run that wants another size than the others, in one sentence: what leaving it out would show.
+/// Sentence on a run whose estimated size differs from that of the others, by linearised leave-one-out.
 fn unlike(candidate: &Candidate) -> Option<String> {
     let (point, addition) = (&candidate.point, candidate.addition());
     let active: Vec<usize> = (0..point.runs.len()).filter(|r| addition.active[point.runs[*r]]).collect();
@@ -100,15 +100,15 @@ fn unlike(candidate: &Candidate) -> Option<String> {
     None
 }
 
-/// Sums of squares over what was not fitted, in units of the noise.
+/// Sums of squares over validation data, in units of the noise.
 #[derive(Clone, Copy)]
 struct Validated {
     with: f64,
     without: f64,
 }
 
-/// Error on what was not fitted with a candidate and without: on the validation runs, and where it acts in none of them on
-/// the end of the runs in which it acts, fitted without it.
+/// Ratio of validation errors with and without a candidate: on the validation runs; if it acts in none of them, on the end of the runs in
+/// which it acts, fitted without that part.
 fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Validated>, CalibrateError> {
     let setup = before.setup;
     let runs = setup.runs(Role::Validate);
@@ -149,10 +149,10 @@ fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Va
     Ok(Some(Validated { with: error(&with)?, without: error(&without)? }))
 }
 
-/// Whether the outputs that a candidate explains in what was fitted are predicted better with it, whatever comes of the others.
+/// Whether the outputs that a candidate explains in the fit runs have a smaller validation error with it, regardless of other outputs.
 ///
 /// # Errors
-/// What the model says where it cannot be run.
+/// The message of the model if it cannot be run.
 pub fn predicts_where_it_acts(before: &Linearization, candidate: &Candidate) -> Result<bool, CalibrateError> {
     let (setup, runs) = (before.setup, before.setup.runs(Role::Validate));
     let by_output = |runs: &[usize], shown: &[Shown]| setup.chi_squares(runs, shown);
@@ -166,10 +166,10 @@ pub fn predicts_where_it_acts(before: &Linearization, candidate: &Candidate) -> 
     Ok(foretold < HARDLY.1 * HARDLY.1)
 }
 
-/// Decides for each of some runs whether what acts in some runs only acts there, by which predicts it better.
+/// Decides for each of these runs whether an effect limited to some runs acts in it, by the smaller prediction error.
 ///
 /// # Errors
-/// What the model says where it cannot be run.
+/// The message of the model if it cannot be run.
 pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<(), CalibrateError> {
     for a in 0..hypothesis.additions.len() {
         if setup.runs(Role::Fit).iter().all(|r| hypothesis.additions[a].active[*r]) {
