@@ -1,11 +1,11 @@
-//! Whether what was measured can be what the experiment says it is: asked before any effect is looked for.
+//! Plausibility checks of the measured data, before any search for effects.
 //!
-//! Three questions, in this order: are there enough readings ([`enough`]); do units, signs and columns agree with the model
-//! ([`consistency`]); does each sensor work ([`signals`] by its own readings, [`response`] by what it should answer). A sensor that
-//! does not work is set aside with a note, in the whole run or in part of it. What contradicts the model, or leaves nothing to fit,
-//! is [`Unusable`]: nothing is looked for in it.
+//! Three checks, in this order: there are enough readings ([`enough`]); units, signs and columns agree with the model
+//! ([`consistency`]); each sensor works ([`signals`] from its own readings, [`response`] from its response to the inputs). A sensor that
+//! fails is set aside with a note, in the whole run or in part of it. Data that contradict the model, or runs without remaining readings,
+//! are [`Unusable`], and no search is made.
 //!
-//! The model is that of the preset, unfitted; the questions therefore allow for any parameter that its prior allows.
+//! The model is that of the preset, unfitted; the checks therefore allow for all parameter values within the priors.
 
 mod clocks;
 mod consistency;
@@ -26,28 +26,28 @@ use physics::model::Declaration;
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Fewest rows of a run that is fitted: the noise of a channel is estimated from the second differences of at least five.
+/// Fewest rows of a run that can be fitted: the noise of a channel is estimated from the second differences of at least five.
 const LEAST_ROWS: usize = 5;
-/// Fraction of an input's readings outside the limits of its variable from which on its unit is wrong, not its sensor.
+/// Fraction of an input's readings outside the limits of its variable above which the unit is taken to be wrong; below it, the readings.
 const WRONG_UNIT: f64 = 0.5;
-/// Most that a working sensor of temperature is off, K: two thermocouples of class 2 (2.5 K each, IEC 60584-1) with cold junctions
+/// Greatest error of a working temperature sensor, K: two thermocouples of class 2 (2.5 K each, IEC 60584-1) with cold junctions
 /// (2 K each) differ by up to 9 K.
 const FAR: f64 = 10.0;
-/// Time for one simulation of all runs: data that contradict the model can lead it into a corner where steps are tiny.
+/// Time limit for one simulation of all runs: contradictory data can drive the model into states that require tiny steps.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Why nothing can be said from the data.
+/// Reason why the data cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unusable {
-    /// The column to blame.
+    /// The faulty column.
     pub channel: String,
-    /// What is wrong with it, in one sentence with the file.
+    /// Description of the fault, in one sentence with the file.
     pub reason: String,
-    /// What to do.
+    /// Suggested correction.
     pub suggestion: String,
 }
 
-/// Why an experiment is refused.
+/// Reason why an experiment is rejected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// The data contradict the model, or too many sensors are set aside.
@@ -62,7 +62,7 @@ impl From<CalibrateError> for Refusal {
     }
 }
 
-/// Checks an experiment and sets aside what is no reading; `preset` are the start values of its preset, by value reference.
+/// Checks an experiment and sets aside invalid readings; `preset` are the start values of its preset, by value reference.
 ///
 /// # Errors
 /// [`Refusal`].
@@ -74,7 +74,7 @@ pub fn check(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), R
     }
 }
 
-/// All but the clocks.
+/// All checks except that of the clocks.
 fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), Refusal> {
     enough(experiment)?;
     if let Some(unusable) = outside_limits(experiment) {
@@ -102,7 +102,7 @@ fn all_runs(experiment: &Experiment) -> Vec<usize> {
     (0..experiment.runs.len()).collect()
 }
 
-/// Refuses runs that are too short to be fitted.
+/// Rejects runs that are too short to be fitted.
 fn enough(experiment: &Experiment) -> Result<(), CalibrateError> {
     for run in experiment.runs.iter().filter(|r| r.role == Role::Fit) {
         let rows = counted(run).count();
@@ -124,13 +124,13 @@ fn enough(experiment: &Experiment) -> Result<(), CalibrateError> {
     Ok(())
 }
 
-/// The rows of a run that count.
+/// Rows of a run inside its window.
 fn counted(run: &Run) -> impl Iterator<Item = usize> + '_ {
     let (from, to) = run.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
     run.table.time.iter().enumerate().filter(move |(_, t)| (from..=to).contains(*t)).map(|(k, _)| k)
 }
 
-/// Inputs beyond the limits of their variable: single readings are set aside, most readings are in another unit.
+/// Inputs outside the limits of their variable: single readings are set aside; if most are outside, the unit is wrong.
 fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
     let declaration = declaration(experiment)?;
     for (k, channel) in experiment.inputs.iter().enumerate() {
@@ -138,7 +138,7 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
         let (least, most) = (entry.row.min, entry.row.max);
         for run in &mut experiment.runs {
             let column = &mut run.table.columns[k];
-            // Noise about a limit, as of a fan at rest, is none of this.
+            // Noise about a limit, such as that of a fan at rest, is tolerated.
             let slack = 0.05 * (most - least);
             let beyond = |x: &f64| *x < least - slack || *x > most + slack;
             let there = column.iter().filter(|x| x.is_finite()).count();
@@ -180,7 +180,7 @@ fn declaration(experiment: &Experiment) -> Option<&'static Declaration> {
     physics::models::by_name(&experiment.model).map(|m| (m.declaration)())
 }
 
-/// What the preset's model predicts, output by output at every row of these runs; blank for a run that cannot be simulated.
+/// Prediction of the preset for each output at every row of these runs; blank for a run that cannot be simulated.
 fn predicted(experiment: &Experiment, preset: &[(u32, f64)], runs: &[usize]) -> Vec<Vec<Vec<f64>>> {
     let Ok(mut bench) = Bench::new(experiment, preset) else { return vec![Vec::new(); runs.len()] };
     bench.ease = crate::setup::EASE;
@@ -193,7 +193,7 @@ fn predicted(experiment: &Experiment, preset: &[(u32, f64)], runs: &[usize]) -> 
     runs.par_iter().map(of).collect()
 }
 
-/// The same of a fit.
+/// Prediction of a fit.
 fn predicted_by(
     experiment: &Experiment,
     preset: &[(u32, f64)],
@@ -208,7 +208,7 @@ fn predicted_by(
     Ok(all_runs(experiment).into_par_iter().map(of).collect())
 }
 
-/// Standard deviations of what the preset's model predicts, from the priors of the declared parameters; 0 where it cannot be simulated.
+/// Standard deviations of the preset's prediction due to the priors of the declared parameters; 0 if it cannot be simulated.
 fn deviations(
     experiment: &Experiment,
     preset: &[(u32, f64)],
@@ -235,7 +235,7 @@ fn deviations(
     all
 }
 
-/// A run that does not start at the ambient temperature although it says so: every node is further from it than any offset of a sensor.
+/// Run declared to start at ambient temperature although every node deviates from it by more than any sensor error.
 fn start_elsewhere(experiment: &Experiment) -> Option<Unusable> {
     const FIRST: usize = 3;
     let inputs = experiment.inputs.len();
@@ -284,7 +284,7 @@ fn ambient(experiment: &Experiment, run: &Run) -> Vec<f64> {
     run.table.columns[place].iter().map(held).collect()
 }
 
-/// Why the runs that are fitted hold nothing any more.
+/// Reason why the fit runs have no readings left.
 fn nothing_left(experiment: &Experiment) -> Option<Unusable> {
     let inputs = experiment.inputs.len();
     let has = |k: usize| {
@@ -304,7 +304,7 @@ fn nothing_left(experiment: &Experiment) -> Option<Unusable> {
     })
 }
 
-/// The setup of an experiment with structure errors for the noise, of the size of the readings of these runs.
+/// Setup of an experiment with structure errors as noise, scaled to the readings of these runs.
 fn structured<'a>(
     experiment: &'a Experiment,
     preset: &[(u32, f64)],
@@ -323,7 +323,7 @@ fn structured<'a>(
     Ok(setup)
 }
 
-/// Mean square of an output over runs, of a temperature over ambient, and the number of its readings.
+/// Mean square of an output over runs (temperatures: rise over ambient), and the number of its readings.
 fn mean_square(experiment: &Experiment, runs: &[usize], output: usize) -> (f64, usize) {
     let place = experiment.inputs.len() + output;
     let is_temperature = experiment.outputs[output].is_temperature();
@@ -345,7 +345,7 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     all
 }
 
-/// Median of the finite values; NaN of none.
+/// Median of the finite values; NaN if there are none.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let all = sorted(values);
     all.get(all.len() / 2).copied().unwrap_or(f64::NAN)

@@ -1,14 +1,17 @@
-//! Clocks of single channels that are late or early, estimated against the response of the model.
+//! Clock offsets (delays or advances) of single channels, estimated against the response of the model.
 //!
 //! y(t) = p(t - d) + J(t - d) delta + e                                                             (1)
 //! G(d) = n ln(S(0) / S(d))                                                                         (2)
 //!
-//! y the readings of an output, p the prediction of a fit, J its sensitivities to the declared parameters, delta limited by their priors,
-//! S(d) the mean square of e at its minimum over delta, n the independent readings: (2) is the logarithm of the likelihood ratio with an
-//! unknown variance, twice. A column of an input is moved instead, and simulated. (1) is linearised about the fit of the data as they are and
-//! about the preset, since a fit hides a delay in a capacity. The best ones are confirmed by a fit with the column moved: it has to leave a
-//! fraction of the mean square, in the runs that validate as well, and less than a first-order lag of the same sensor does: what a sensor
-//! itself can do is no fault of a clock, and is looked for as an effect. All outputs together late are inputs that are early.
+//! y readings of an output, p prediction of a fit, J its sensitivities to the declared parameters, delta limited by their priors,
+//! S(d) the mean square of e at its minimum over delta, n the number of independent readings: (2) is twice the logarithm of the likelihood
+//! ratio with unknown variance. For an input, its column is shifted and simulated. (1) is linearised about the fit of the data as they are
+//! and
+//! about the preset, since a fit can absorb a delay in a heat capacity. The best shifts are confirmed by a fit with the column shifted.
+//! The
+//! remaining mean square must be small, in the validation runs as well, and smaller than with a first-order lag of the same sensor: a
+//! sensor lag
+//! is not a clock error, and is searched for as an effect. A delay of all outputs together is an advance of the inputs.
 //!
 //! *Sources*: (2) with unknown variance: Seber and Wild, Nonlinear Regression (1989), ch. 2.2; time delay as a parameter: Ljung, System
 //! Identification (2nd ed., 1999), ch. 10.
@@ -29,27 +32,27 @@ use profile::{About, moved};
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Time for all of it; a test does not depend on the load of its machine.
+/// Time limit of this check; longer in tests, so that they do not depend on the load of the machine.
 const TIME: Duration = Duration::from_secs(if cfg!(test) { 300 } else { 12 });
-/// Rows of a run that are compared: means over as many rows each.
+/// Rows of a run that are compared; each is the mean over a constant number of readings.
 const ROWS: usize = 1500;
-/// (2) from which on a shift is confirmed or accepted: 1e-5 of chance among a thousand shifts.
+/// Least value of (2) at which a shift is confirmed or accepted: false-alarm probability 1e-5 for a thousand shifts.
 const LEAST: f64 = 37.0;
-/// Mean square over that of the noise from which on shifts are looked for.
+/// Ratio of the residual's mean square to that of the noise above which shifts are tried.
 const NOISY: f64 = 1.3;
-/// Ratio of neighbouring shifts that are tried, for outputs and for inputs, and the greatest one as a fraction of a run.
+/// Ratio of successive shifts that are tried, for outputs and for inputs.
 const RATIO: (f64, f64) = (1.25, 1.6);
 const FARTHEST: f64 = 0.2;
-/// Shifts that are confirmed by a fit.
+/// Number of shifts that are confirmed by a fit.
 const CONFIRMED: usize = 3;
-/// (2) by which the better of two explanations is the better one: odds of 150.
+/// Difference in (2) above which one explanation is clearly better: odds of 150.
 const CLEARLY: f64 = 10.0;
-/// Fraction of the mean square that a shift which is not exact yet may leave beyond noise and structure error.
+/// Fraction of the mean square, in excess of noise and structure error, that may remain with an approximate shift.
 const LITTLE: f64 = 0.1;
 /// Chi-square of one degree of freedom, 95 %.
 const WITHIN_95: f64 = 3.84;
 
-/// Whose clock is off.
+/// Channel with the clock offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Who {
     Output(usize),
@@ -57,7 +60,7 @@ enum Who {
     Outputs,
 }
 
-/// A clock that is late by so many seconds, with its 95 % interval; early if negative.
+/// Delay of a clock in seconds, with its 95 % interval; negative for an advance.
 #[derive(Clone, Copy, Debug)]
 struct Shift {
     who: Who,
@@ -66,7 +69,7 @@ struct Shift {
     gain: f64,
 }
 
-/// Sets aside outputs whose clock is off, with notes. Inputs whose clock is off leave nothing to fit.
+/// Sets aside outputs with a clock offset, with notes. If inputs have one, the data are unusable.
 ///
 /// # Errors
 /// An experiment whose model cannot be set up.
@@ -120,7 +123,7 @@ fn squares(setup: &Setup, runs: &[usize], fitted: &Hypothesis) -> Option<Vec<f64
     Some(setup.rmse(runs, &shown).into_iter().map(|x| x * x).collect())
 }
 
-/// Shifts of both signs.
+/// Grid of shifts of both signs.
 fn grid(step: f64, most: f64, ratio: f64) -> Vec<f64> {
     let mut all = Vec::new();
     let mut size = 0.5 * step;
@@ -147,7 +150,7 @@ fn with_moved(experiment: &Experiment, who: Who, late: f64) -> Experiment {
     changed
 }
 
-/// The clock that is off, if one is beyond doubt.
+/// The clock offset, if one is significant.
 fn search(
     experiment: &Experiment,
     preset: &[(u32, f64)],
@@ -185,7 +188,7 @@ fn search(
     }
     confirmed.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let Some(best) = confirmed.first().copied() else { return Ok(None) };
-    // Where an input explains it as well, no output is to blame.
+    // If an input explains it equally well, the output is not set aside.
     let other = confirmed.iter().find(|s| matches!(s.who, Who::Input(_)) && s.gain > best.gain - CLEARLY);
     Ok(Some(other.copied().unwrap_or(best)))
 }
@@ -199,25 +202,25 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// n of (2).
+    /// n in (2).
     fn samples(&self, count: usize) -> f64 {
         (SAMPLES * self.fit.len() as f64).min(count as f64)
     }
 
-    /// S(0) of an output, at the better point.
+    /// S(0) of an output, at the better linearization.
     fn unmoved(&self, output: usize) -> Option<f64> {
         let all = self.points.iter().filter_map(|p| p.late(output, 0.0)).map(|(s, _)| s);
         all.min_by(f64::total_cmp)
     }
 
-    /// (2) of an output where it reads so.
+    /// (2) of an output for a mean square and a number of readings.
     fn gain(&self, output: usize, unmoved: f64, (square, count): (f64, usize)) -> f64 {
-        // What lies below the noise is no gain.
+        // A mean square below that of the noise is no further gain.
         let floor = self.noise[output];
         self.samples(count) * (unmoved.max(floor) / square.max(floor)).ln()
     }
 
-    /// Each output with its best shift, and all of them with one.
+    /// Best shift of each output, and of all outputs together.
     fn outputs(&self, shifts: &[f64]) -> Vec<Shift> {
         let m = self.setup.outputs();
         let unmoved: Vec<Option<f64>> = (0..m).map(|k| self.unmoved(k)).collect();
@@ -240,12 +243,12 @@ impl Judge<'_> {
         single.chain(all).collect()
     }
 
-    /// Each input with its best shift.
+    /// Best shift of each input.
     fn inputs(&self, shifts: &[f64], deadline: &Deadline) -> Vec<Shift> {
         let experiment = self.setup.experiment;
         let m = self.setup.outputs();
         let unmoved: Vec<Option<f64>> = (0..m).map(|k| self.unmoved(k)).collect();
-        // The ambient temperature is slow; where a clock of it stands makes no difference.
+        // The ambient temperature changes slowly; a shift of a constant column has no effect.
         let moving = |k: &usize| {
             let own = self.fit.iter().map(|r| &experiment.runs[*r].table.columns[*k]);
             !experiment.inputs[*k].is_temperature() && own.flat_map(|c| c.windows(2)).any(|w| w[0] != w[1])
@@ -280,7 +283,7 @@ impl Judge<'_> {
         candidates.par_iter().filter_map(best).collect()
     }
 
-    /// A shift with the gain of a fit, and its interval; `None` where it does not explain what the data leave.
+    /// Shift with its gain after a fit, and its interval; `None` if it does not explain the residual.
     fn confirmed(
         &self,
         shift: Shift,
@@ -291,7 +294,7 @@ impl Judge<'_> {
     ) -> Option<Shift> {
         let mut shift = shift;
         let mut best: Option<Shift> = None;
-        // The shift depends on the fit, and the fit on the shift.
+        // Shift and fit depend on each other, so they are iterated.
         for _ in 0..2 {
             let changed = with_moved(self.setup.experiment, shift.who, shift.late);
             let mut setup = structured(&changed, preset, self.fit).ok()?.until(self.setup.deadline().clone());
@@ -311,7 +314,7 @@ impl Judge<'_> {
                 _ => gains[k] > LEAST,
             };
             let outputs: Vec<usize> = (0..self.setup.outputs()).filter(|k| judged(*k)).collect();
-            // Nearly all of what the data leave, in these outputs.
+            // The shift must explain nearly all of the residual in these outputs.
             let explains = !outputs.is_empty()
                 && outputs.iter().all(|k| {
                     before[*k] > WORSE.0 * after[*k].max(self.noise[*k])
@@ -334,19 +337,19 @@ impl Judge<'_> {
         best
     }
 
-    /// Mean square that noise and structure error leave of an output.
+    /// Mean square of an output due to noise and structure error.
     fn structure(&self, output: usize) -> f64 {
         let (square, _) = mean_square(self.setup.experiment, self.fit, output);
         2.0 * self.noise[output] + STRUCTURE.powi(2) * square
     }
 
-    /// The shift about a fit with its 95 % interval; `None` where a lag of the sensor does as well.
+    /// Shift at a fit with its 95 % interval; `None` if a sensor lag explains the data equally well.
     fn estimated(&self, shift: &Shift, fitted: &Hypothesis, changed: &Setup) -> Option<Shift> {
         let outputs: Vec<usize> = match shift.who {
             Who::Output(k) => vec![k],
             _ => (0..self.setup.outputs()).collect(),
         };
-        // Of an input the prediction moves, so that it is simulated; about it the outputs move the other way.
+        // A shift of an input needs a simulation; relative to its prediction the outputs shift in the opposite direction.
         let (setup, sign, from) = match shift.who {
             Who::Input(_) => (changed, -1.0, shift.late),
             _ => (self.setup, 1.0, 0.0),

@@ -4,20 +4,22 @@
 //!
 //! q_k = |y - p| / max(|y|, |p|)                                                                    (1)
 //!
-//! (root mean squares without the tenth of the rows that is furthest off; p the preset's prediction). A temperature, to which an effect
-//! that the model lacks can add as much again, is compared by its shape, its start and the order of its size:
+//! (root mean squares without the tenth of the rows with the greatest deviations; p the preset's prediction). A temperature rise can be
+//! doubled
+//! by an effect that the model lacks; it is therefore compared by its shape, its start and its order of magnitude:
 //!
 //! q_k^2 = 1 - r^2 + (|y_0 - p_0| / s)^2 + (|ln(s_y / s_p)| - ln 2.5)_+^2                            (2)
 //!
-//! r the correlation of y and p, s their standard deviations. The question is asked only if the declared parameters, fitted with the
-//! structure error below, leave more than [`GOOD`] times of it in a run. A
-//! mistake in a column is a hypothesis that changes the data: another unit, in either direction; a power of ten; a wrong sign; two columns
-//! exchanged; a rise over ambient in place of a temperature; an ambient sensor that the motor heats; an input that was not
-//! measured, whose values an output implies; any factor; a wrong unit of the time. The score of a hypothesis is
-//! the sum of ln q_k. Hypotheses over outputs cost nothing; those over inputs are simulated only if some q is large. The best ones
-//! are confirmed: the declared parameters are fitted with the data as they are and as the hypothesis would have them, with a
-//! structure error of [`STRUCTURE`] of each output's size and [`SAMPLES`] independent readings in each run as the noise. Only where
-//! the minimum of the former is [`WORSE`] times that of the latter are the data contradictory: no values that the priors allow do as well.
+//! r the correlation of y and p, s their standard deviations. The check is made only if the fit of the declared parameters, with the
+//! structure error below, leaves a residual of more than [`GOOD`] times the structure error in a run. A mistake in a column is a
+//! hypothesis that changes the data: another unit, in either direction; a power of ten; a wrong sign; two columns exchanged; a
+//! temperature rise over ambient recorded instead of a temperature; an ambient sensor heated by the motor; an input that was not
+//! measured, with values implied by an output; an arbitrary factor; a wrong unit of time. The score of a hypothesis is
+//! the sum of ln q_k. Hypotheses on outputs need no simulation; those on inputs are simulated only if some q is large. The best ones
+//! are confirmed: the declared parameters are fitted to the data as they are and as changed by the hypothesis, with a
+//! structure error of [`STRUCTURE`] of each output's size and [`SAMPLES`] independent readings per run as the noise. The data are
+//! contradictory only if the minimum of the former is [`WORSE`] times that of the latter: no values within the priors explain the data as
+//! well.
 //!
 //! *Source*: parameter bounds and residuals for fault isolation: Isermann, Fault-Diagnosis Systems (2006), ch. 9; likelihood ratio of
 //! hypotheses: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
@@ -34,48 +36,48 @@ use mistakes::{Mistake, mistakes};
 use physics::declare::Unit;
 use std::time::Duration;
 
-/// Error of a model without the effect that is looked for, as a fraction of an output's size: the refit of a bench that lacks one is 1 to 5 % off.
+/// Structure error of a model without the missing effect, as a fraction of an output's size: refits without it deviate by 1 to 5 %.
 pub(super) const STRUCTURE: f64 = 0.02;
-/// Independent readings of a run: it has some tens of time constants.
+/// Independent readings per run: a run comprises some tens of time constants.
 pub(super) const SAMPLES: f64 = 50.0;
-/// Ratio and difference of (minus twice the logarithm of) the likelihoods of data and hypothesis: the latter is that of 1e-21 odds.
+/// Ratio and difference of minus twice the log likelihoods of data and hypothesis; the difference corresponds to odds of 1e-21.
 pub(super) const WORSE: (f64, f64) = (2.5, 100.0);
-/// Residual of a run over the structure error, as a mean over outputs, from which on mistakes are looked for.
+/// Ratio of a run's residual to the structure error, as a mean over outputs, above which mistakes are searched for.
 const GOOD: f64 = 3.0;
-/// Sum of squares of the declared parameters over their priors from which on they are: two of them four deviations off.
+/// Sum of squared parameter deviations over their priors above which parameters count as strained: two at four standard deviations.
 const STRAINED: f64 = 32.0;
-/// Difference of two costs of an output that count as different.
+/// Difference between two costs of an output that counts as a change.
 const CHANGED: f64 = 20.0;
-/// q of an output from which on hypotheses over inputs are simulated.
+/// q of an output above which hypotheses on inputs are simulated.
 const SUSPECT: f64 = 0.25;
-/// q below which an output agrees, and no better.
+/// q below which an output agrees; smaller values are not distinguished.
 const AGREES: f64 = 0.02;
-/// Fall of the score that a hypothesis needs to be confirmed: q of one output by a third.
+/// Decrease of the score required for confirming a hypothesis: q of one output by a third.
 const FALL: f64 = 0.35;
-/// Most mistakes at once, and hypotheses that are confirmed for each.
+/// Greatest number of simultaneous mistakes, and of hypotheses confirmed for each.
 const MOST: usize = 3;
 const SHORT: usize = 6;
-/// Factors nearer to 1 than this can be physics.
+/// Factors closer to 1 than this may be physical.
 const PHYSICAL: f64 = 2.5;
-/// q of what does not agree at all.
+/// q of an output without any agreement.
 const MOST_OFF: f64 = 10.0;
-/// Rows of a run that are compared: means over as many rows each.
+/// Rows of a run that are compared; each is the mean over a constant number of readings.
 const ROWS: usize = 500;
-/// Time for the search, and for the fit of a hypothesis: one that is not at its minimum in time is not confirmed.
+/// Time limit for the search, and for the fit of a hypothesis: one that has not converged in time is not confirmed.
 const SEARCH: Duration = Duration::from_secs(6);
 const FIT: Duration = Duration::from_secs(3);
-/// Time for the fit of the data as they are. If it is not at its minimum by then, as on a busy machine, nothing is concluded:
-/// its cost would refuse good data.
+/// Time limit for the fit of the data as they are. If it has not converged by then, as on a busy machine, no conclusion is drawn, because
+/// its cost would cause good data to be rejected.
 const AS_IS: Duration = Duration::from_secs(30);
 
-/// What the model predicts and how far data are from it.
+/// Predictions of the model and their deviation from the data.
 struct Judge<'a> {
     preset: &'a [(u32, f64)],
     runs: &'a [usize],
     deadline: Deadline,
 }
 
-/// Predictions run by run, output by output.
+/// Predictions by run and output.
 type Predicted = Vec<Vec<Vec<f64>>>;
 
 impl Judge<'_> {
@@ -83,7 +85,7 @@ impl Judge<'_> {
         super::predicted(experiment, self.preset, self.runs)
     }
 
-    /// (1), and the ratio of reading to prediction that is best, output by output; `None` where nothing was measured.
+    /// (1) and the best ratio of reading to prediction for each output; `None` without readings.
     fn outputs(&self, experiment: &Experiment, predicted: &Predicted) -> Vec<Option<(f64, f64)>> {
         let inputs = experiment.inputs.len();
         let of = |output: usize| {
@@ -97,7 +99,7 @@ impl Judge<'_> {
             if rows.is_empty() {
                 return None;
             }
-            // A model that cannot be run explains nothing.
+            // A model that cannot be simulated explains no data.
             if rows.iter().any(|(_, p)| !p.is_finite()) {
                 return Some((MOST_OFF, f64::NAN));
             }
@@ -150,7 +152,7 @@ fn score(outputs: &[Option<(f64, f64)>]) -> f64 {
         .sum()
 }
 
-/// The score that the outputs which a mistake touches have when they agree.
+/// Score, at full agreement, of the outputs that a mistake affects.
 fn agreement(mistake: &Mistake, outputs: &[Option<(f64, f64)>], inputs: usize) -> f64 {
     let touched =
         mistake.touches().into_iter().filter_map(|k| outputs.get(k.checked_sub(inputs)?).copied().flatten());
@@ -161,10 +163,10 @@ fn worst(outputs: &[Option<(f64, f64)>]) -> f64 {
     outputs.iter().flatten().map(|(q, _)| *q).fold(0.0, f64::max)
 }
 
-/// The experiment with means over neighbouring rows, which is enough to see a mistake and costs less to simulate.
+/// The experiment with means over neighbouring rows: sufficient for detecting a mistake, and faster to simulate.
 pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
     let mut thin = experiment.clone();
-    // A sensor that stands still contradicts whatever it is taken for.
+    // A frozen sensor contradicts every hypothesis on its column.
     for table in thin.runs.iter_mut().map(|r| &mut r.table) {
         for column in &mut table.columns[experiment.inputs.len()..] {
             let first = super::median(column.iter().copied());
@@ -184,7 +186,7 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
             column.chunks(length).map(of).collect()
         };
         table.columns = table.columns.iter().map(|c| mean(c)).collect();
-        // A run starts where it started.
+        // The start time of a run is preserved.
         let first = table.time[0];
         table.time = mean(&table.time);
         table.time[0] = first;
@@ -192,7 +194,7 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
     thin
 }
 
-/// Why the data contradict the model, over all runs or in one file; else the fit of the data as they are.
+/// Reason why the data contradict the model, over all runs or in one file; otherwise the fit of the data as they are.
 ///
 /// # Errors
 /// An experiment whose model cannot be set up.
@@ -204,9 +206,9 @@ pub fn contradiction(
     let experiment = &thinned(experiment, ROWS);
     let mut whole = Judge { preset, runs: &all, deadline: Deadline::default() };
     let Cost { runs: costs, prior, is_cut, hypothesis, .. } = fitted(&whole, experiment, AS_IS)?;
-    // Not before: a fit that took long would leave no time for the hypotheses over inputs.
+    // The time limit starts here: after a long fit no time would be left for the hypotheses on inputs.
     whole.deadline = Deadline::after(SEARCH);
-    // Parameters that are strained may stand in for a sensor that does not work.
+    // Strained parameters may compensate for a failed sensor.
     let hypothesis = hypothesis.filter(|_| prior <= STRAINED);
     let limit = GOOD * GOOD * SAMPLES * experiment.outputs.len() as f64;
     let bad: Vec<usize> = all.iter().copied().filter(|r| costs[*r] > limit || prior > STRAINED).collect();
@@ -219,7 +221,7 @@ pub fn contradiction(
     {
         return Ok(Err(unusable));
     }
-    // One logger of several: a file at a time.
+    // One of several loggers may be wrong: each file is checked separately.
     let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
     for (k, run) in experiment.runs.iter().enumerate() {
         match files.iter_mut().find(|(file, _)| *file == run.file) {
@@ -238,8 +240,9 @@ pub fn contradiction(
     Ok(Ok(hypothesis))
 }
 
-/// The mistakes that together bring the data nearest to the model, if no values that the priors allow explain the data as they are nearly
-/// as well.
+/// The combination of mistakes that gives the best agreement with the model, if no parameter values within the priors explain the
+/// unchanged
+/// data nearly as well.
 fn search(
     judge: &Judge,
     experiment: &Experiment,
@@ -271,9 +274,9 @@ fn search(
                 shortlist(best);
             }
         };
-        // First the outputs, which need no simulation; then the inputs; at last any factor.
+        // Outputs first, because they need no simulation; then inputs; arbitrary factors last.
         for mistake in candidates.iter().filter(|m| !taken(m) && !m.is_simulated(inputs)) {
-            // At best it brings the outputs that it touches to full agreement.
+            // Upper bound of the gain: full agreement of the affected outputs.
             let own =
                 mistake.touches().into_iter().filter_map(|k| outputs.get(k.checked_sub(inputs)?).copied());
             if score(&own.collect::<Vec<_>>()) >= FALL + agreement(mistake, &outputs, inputs) {
@@ -287,7 +290,7 @@ fn search(
             try_one(&mut best, mistake.clone());
         }
         let is_explained = |best: &[Changed]| best.first().is_some_and(|(value, ..)| *value < now - FALL);
-        // Any factor stands for what no usual mistake explains: not before all of those are tried.
+        // An arbitrary factor is tried only if no usual mistake explains the data.
         if !is_explained(&best) && !judge.deadline.is_over() {
             for (k, output) in outputs.iter().enumerate() {
                 if let Some((_, ratio)) = output.filter(|(q, r)| *q > SUSPECT && r.is_finite() && *r != 0.0)
@@ -309,7 +312,7 @@ fn search(
             shortlist(&mut best);
         }
         best.retain(|(value, ..)| *value < now - FALL);
-        // Exchanged thermometers, and all of them in another unit, have nearly the same shapes.
+        // Exchanged thermometers, or a common wrong unit, hardly change the shapes.
         for mistake in candidates.iter().filter(|m| !taken(m) && m.is_alike(&at)) {
             let mut changed = at.clone();
             mistake.apply(&mut changed, judge.runs);
@@ -334,7 +337,7 @@ fn search(
         let mut confirmed: Option<(Cost, Changed)> = None;
         for one in best {
             let as_meant = fitted(judge, &one.2, FIT)?;
-            // An output that implies an input is no evidence: both sides are judged without it.
+            // An output that implies an input is not evidence: both costs are computed without it.
             let without = match one.1 {
                 Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(&at, judge.runs, by), FIT)?),
                 _ => None,
@@ -366,10 +369,10 @@ fn blanked(experiment: &Experiment, runs: &[usize], column: usize) -> Experiment
     changed
 }
 
-/// Keeps the best few, the best one first; of equals the first that was tried.
+/// Keeps the best few, best first; among equals the first that was tried.
 fn shortlist(best: &mut Vec<Changed>) {
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Of those that change the same columns, the best.
+    // Of those that change the same columns, only the best is kept.
     let mut seen: Vec<Vec<usize>> = Vec::new();
     best.retain(|one| {
         let own = one.1.touches();
@@ -390,17 +393,17 @@ fn is_possible(changed: &Experiment, mistake: &Mistake) -> bool {
     })
 }
 
-/// Whether an output agrees better, and none is far off that agreed.
+/// Whether one output agrees better and no output that agreed is now far off.
 fn agrees_more(before: &[Option<(f64, f64)>], after: &[Option<(f64, f64)>]) -> bool {
     let pairs = || before.iter().flatten().zip(after.iter().flatten()).map(|((a, _), (b, _))| (*a, *b));
     pairs().any(|(a, b)| b < SUSPECT && b < 0.5 * a)
         && !pairs().any(|(a, b)| a < SUSPECT && b > (1.5 * a).max(0.15))
 }
 
-/// A mistake taken back: the score, the mistake, the data and what is predicted for them.
+/// Corrected mistake: score, mistake, changed data and their prediction.
 type Changed = (f64, Mistake, Experiment, Predicted);
 
-/// Each input with the factor that brings it nearest to the model.
+/// Each input with the factor that gives the best agreement with the model.
 fn any_factor(judge: &Judge, experiment: &Experiment) -> Vec<Changed> {
     let mut found = Vec::new();
     for (k, channel) in experiment.inputs.iter().enumerate() {
@@ -440,15 +443,15 @@ fn any_factor(judge: &Judge, experiment: &Experiment) -> Vec<Changed> {
     found
 }
 
-/// The minimum over the declared parameters, output by output, and of their priors.
+/// Minimum of the cost over the declared parameters: by output, and of the priors.
 struct Cost {
     outputs: Vec<f64>,
     prior: f64,
-    /// Of each run of the experiment, fitted or not.
+    /// Cost of each run of the experiment, fitted or not.
     runs: Vec<f64>,
-    /// Whether the time ended before the fit was at its minimum.
+    /// Whether the time limit ended the fit before convergence.
     is_cut: bool,
-    /// Where it is; `None` where the model cannot be run.
+    /// Parameters at the minimum; `None` if the model cannot be run.
     hypothesis: Option<Hypothesis>,
 }
 
@@ -457,7 +460,7 @@ impl Cost {
         self.outputs.iter().sum::<f64>() + self.prior
     }
 
-    /// Whether it is worse in the outputs in which the two differ. The others may lack an effect that has nothing to do with it.
+    /// Whether the cost is worse in those outputs in which the two differ. The other outputs may lack an unrelated effect.
     fn is_worse_than(&self, other: &Cost) -> bool {
         let pairs =
             self.outputs.iter().zip(&other.outputs).filter(|(own, other)| (*own - *other).abs() > CHANGED);
@@ -466,7 +469,7 @@ impl Cost {
     }
 }
 
-/// The cost of the best values of the declared parameters, with structure errors for the noise.
+/// Cost at the best values of the declared parameters, with structure errors as noise.
 fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost, CalibrateError> {
     let fit: Vec<usize> =
         judge.runs.iter().copied().filter(|r| experiment.runs[*r].role == Role::Fit).collect();
@@ -484,7 +487,7 @@ fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost
             hypothesis: Some(fitted.hypothesis),
         })
     });
-    // A model that cannot be run explains nothing.
+    // A model that cannot be simulated explains no data.
     Ok(cost.unwrap_or_else(|_| Cost {
         outputs: vec![f64::MAX; setup.outputs()],
         prior: 0.0,

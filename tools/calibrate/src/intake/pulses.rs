@@ -1,32 +1,32 @@
-//! Wild readings that the signal itself hides: pulses of what an output reads over what the model predicts.
+//! Outliers hidden by the signal: pulses in the residual of an output against the model's prediction.
 //!
-//! Beside a step of the current, or beside another wild reading, a pulse is no larger than the changes near by. The residual has no such
-//! steps; there it is looked for again as [`super::signals`] does, and near by counts but for the greatest fifth of the changes.
-//! A channel with proven wild readings has a noise of two parts, (1 - e) N(0, s) + e U(-m, m); e their fraction and m the largest of them.
-//! A reading is one of the second part where that is the more probable one,
+//! Next to a step of the current, or next to another outlier, a pulse is no larger than the neighbouring changes. The residual has no such
+//! steps; it is searched as in [`super::signals`], and the greatest fifth of the neighbouring changes is ignored.
+//! A channel with confirmed outliers has a contaminated noise distribution, (1 - e) N(0, s) + e U(-m, m), with e their fraction and m the
+//! largest of them. A reading is an outlier if the second component is more probable,
 //!
 //! z^2 > 2 ln[(1 - e) / e * 2 m / (s sqrt(2 pi))]                                                     (1)
 //!
-//! A pulse that an input makes in the same row is the input's own if that channel has wild readings, else it is none.
+//! A pulse caused by an input in the same row is attributed to the input if that channel has outliers; otherwise it is a real response.
 //! *Source*: Box and Tiao, Biometrika 55 (1968) 119-129 (contaminated normal).
 
 use super::signals::{Readings, bound};
 use crate::experiment::{Channel, Experiment, Table};
 use std::f64::consts::PI;
 
-/// Changes near by of which the greater ones may be pulses as well.
+/// Quantile of the neighbouring changes; the greater ones may be pulses as well.
 const NEAR_BY: f64 = 0.8;
-/// Beside a step the parameters of the preset leave a step of the residual.
+/// Tolerated difference between both sides of a pulse: parameter errors of the preset leave a step in the residual.
 const ALIKE: f64 = 0.6;
 
-/// Sets aside what is found, with notes; `predicted` run by run, output by output, `spikes` what each channel had before.
+/// Sets aside the outliers, with notes; `predicted` by run and output, `spikes` the number found before in each channel.
 pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], spikes: &[usize]) {
     let least = bound(experiment);
     let inputs = experiment.inputs.len();
     let channels: Vec<&'static Channel> =
         experiment.inputs.iter().chain(&experiment.outputs).copied().collect();
     let mut notes: Vec<String> = Vec::new();
-    // Noise and usual changes of the inputs, run by run.
+    // Noise and typical changes of the inputs, by run.
     let sizes: Vec<Vec<f64>> = experiment
         .runs
         .iter()
@@ -45,7 +45,7 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], spike
         };
         let mut found = find(least);
         if spikes[k] == 0 {
-            // A model may be wrong in the row of a step, and in the first one; that proves nothing.
+            // The model may be wrong at the row of a step and at the first row, so a pulse there is no proof of outliers.
             for ((rows, run), sizes) in found.iter_mut().zip(&experiment.runs).zip(&sizes) {
                 rows.retain(|row| !is_step(&run.table, *row, sizes, least));
             }
@@ -61,7 +61,7 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], spike
         }
         for ((run, rows), sizes) in experiment.runs.iter_mut().zip(found).zip(&sizes) {
             let table = &mut run.table;
-            // An input that moves in this row moves the output, unless it reads wild itself.
+            // A change of an input in this row also changes the output, unless the input reading is an outlier itself.
             let moved = |row: &usize| (0..inputs).find(|j| is_pulse(table, *j, *row, least * sizes[*j]));
             let by: Vec<Option<usize>> = rows.iter().map(moved).collect();
             let mut aside = vec![0usize; channels.len()];
@@ -89,7 +89,7 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], spike
     }
 }
 
-/// What an output of a run reads over what the model predicts.
+/// Residual of an output in a run: reading minus prediction.
 struct Residual {
     time: Vec<f64>,
     off: Vec<f64>,
@@ -108,26 +108,26 @@ impl Residual {
         rows
     }
 
-    /// The largest of these rows, in deviations.
+    /// Greatest residual in these rows, in standard deviations.
     fn largest(&self, rows: &[usize]) -> Option<f64> {
         let readings = Readings::of(&self.time, &self.off);
         rows.iter().map(|row| readings.distance(*row)).max_by(f64::total_cmp)
     }
 }
 
-/// Whether an input has another level behind a row than before it; so has the first and the last row of a run.
+/// Whether an input has a different level before and after a row; true for the first and the last row of a run.
 fn is_step(table: &Table, row: usize, sizes: &[f64], least: f64) -> bool {
     let Some(before) = row.checked_sub(1).filter(|_| row + 1 < table.time.len()) else { return true };
     table.columns.iter().zip(sizes).any(|(c, size)| (c[row + 1] - c[before]).abs() > (least * size).max(1e-9))
 }
 
-/// Whether a column leaves the line between the rows beside this one by more than `least`.
+/// Whether a column deviates from the line between the neighbouring rows by more than `least`.
 fn is_pulse(table: &Table, k: usize, row: usize, least: f64) -> bool {
     let Some(before) = row.checked_sub(1).filter(|_| row + 1 < table.time.len()) else { return false };
     let (time, column) = (&table.time, &table.columns[k]);
     let share = (time[row] - time[before]) / (time[row + 1] - time[before]);
     let across = column[row + 1] - column[before];
     let off = (column[row] - column[before] - share * across).abs();
-    // A step leaves the line as well, and ends elsewhere.
+    // A step deviates as well, but ends at another level.
     off > least && across.abs() < 0.3 * off
 }

@@ -1,54 +1,56 @@
-//! Sensors that do not answer what they should: frozen, detached, open at a level that could be a temperature, shorted, dead.
+//! Sensors that do not respond as they should: frozen, detached, open circuit at a plausible temperature, shorted, dead.
 //!
-//! The model of the preset predicts p at every row; y is the reading and p0 where both begin (ambient temperature, else 0). The model may be
-//! wrong by any parameter, so that y - p0 may be several times p - p0, or a fraction of it; but it has to follow:
+//! The model of the preset gives the prediction p at every row; y is the reading and p0 the initial value of both (ambient temperature,
+//! otherwise
+//! 0). Parameter errors may scale the response, so that y - p0 may be a multiple or a fraction of p - p0, but it has to follow p:
 //!
 //! level  (y - p0) / (b (p - p0)) within [`LEVEL`], or y within [`FAR`] of p0 + b (p - p0)             (1)
-//! slope  cov(y, b p) / var(b p) over a stretch in which p moves: at least [`SLOPE`]                   (2)
-//! repeat exactly the same reading, while p moves by more than [`STEPS`] resolutions                   (3)
+//! slope  cov(y, b p) / var(b p) over a section in which p varies: at least [`SLOPE`]                  (2)
+//! repeat identical readings, while p varies by more than [`STEPS`] resolutions                        (3)
 //!
-//! b is the channel's median of (y - p0) / (p - p0) over all runs, which takes out what a parameter of the model is off. Between two
-//! jumps ([`super::signals`]) the readings have to lie near p as well as the best stretch of the run does. Around what fails, rows are set
-//! aside as far as the reading is away from b p by more than it is where the sensor works.
+//! b is the channel's median of (y - p0) / (p - p0) over all runs, which removes a scale error due to the model's parameters. Between two
+//! jumps ([`super::signals`]) the readings must agree with p as well as in the best section of the run. Around a failure, rows are set
+//! aside as long as the reading deviates from b p by more than where the sensor works.
 //!
-//! *Assumes* that a law of physics changes a temperature rise by less than a factor of eight. *Sources*: Isermann, Fault-Diagnosis Systems
-//! (2006), ch. 7 and 10 (signal models, parity equations).
+//! *Assumes* that parameter errors and missing effects change a temperature rise by less than a factor of eight. *Sources*: Isermann,
+//! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
 use super::{FAR, Unusable, ambient, median, sorted};
 use crate::experiment::{Channel, Experiment, Role};
 use crate::noise;
 use std::cell::LazyCell;
 
-/// (1): a sensor on the motor reads at least an eighth of the rise, and no more than eight times.
+/// (1): a sensor on the motor reads between one eighth of the rise and eight times the rise.
 const LEVEL: (f64, f64) = (0.125, 8.0);
 /// (2)
 const SLOPE: f64 = 0.1;
-/// (3), and the fewest rows of a stretch.
+/// (3), and the fewest rows of a section.
 const STEPS: f64 = 5.0;
 const LEAST_ROWS: usize = 30;
-/// Standard deviations of a prediction that its movement has to exceed: those from -2 to +2, in which 95 % of the priors lie.
+/// Variation of a prediction required for a conclusion, in its standard deviations: from -2 to +2, the range of 95 % of the priors.
 const CERTAIN: f64 = 4.0;
-/// Fraction of a jump that the model leaves unpredicted, from which on it is the sensor's: a thermal capacity of the preset within a
-/// factor of two of the motor's predicts half of a step.
+/// Unpredicted fraction of a jump above which it is attributed to the sensor: if the preset's heat capacity is within a factor of two of
+/// the
+/// motor's, the model predicts at least half of a step.
 const UNPREDICTED: f64 = 0.5;
-/// Parts of a run in which (2) is asked.
+/// Numbers of sections of a run to which (2) is applied.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
-/// Fraction of its movement over all runs that the prediction has to move in a stretch to ask (2) or (3) there.
+/// Fraction of its variation over all runs by which the prediction must vary in a section for (2) or (3).
 const MOVES: f64 = 0.25;
-/// Deviations of the noise that count as clear of it.
+/// Standard deviations of the noise that count as significant.
 const CLEAR: f64 = 10.0;
-/// Fraction of a run's readings from which on a sensor that fails is set aside in all of the run.
+/// Fraction of failed readings above which the sensor is set aside in the whole run.
 const WHOLE: f64 = 0.6;
-/// Fewest readings of a run to judge it by.
+/// Fewest readings of a run for this check.
 const ENOUGH: usize = 40;
 
-/// One output of one run beside its prediction.
+/// Readings and prediction of one output in one run.
 struct Pair {
-    /// Rows that were measured and predicted.
+    /// Rows with reading and prediction.
     rows: Vec<usize>,
-    /// Reading over ambient or zero.
+    /// Reading minus the initial value (ambient temperature or zero).
     read: Vec<f64>,
-    /// Prediction over ambient or zero.
+    /// Prediction minus the initial value (ambient temperature or zero).
     model: Vec<f64>,
 }
 
@@ -76,8 +78,9 @@ fn spread(values: &[f64]) -> f64 {
     if all.is_empty() { 0.0 } else { at(0.98) - at(0.02) }
 }
 
-/// Sets aside what does not answer, with notes: neither as the preset predicts, nor as the fit of the declared parameters does, both run by
-/// run and output by output. A current that is the small difference of two voltages follows no prediction of a preset.
+/// Sets aside sensors that do not respond, with notes: those that follow neither the preset's prediction nor that of the fitted
+/// parameters, by run
+/// and output. A current that is the small difference of two voltages cannot be predicted by a preset.
 pub fn set_aside(
     experiment: &mut Experiment,
     predicted: &[Vec<Vec<f64>>],
@@ -121,14 +124,14 @@ pub fn set_aside(
                 let Some((also, _)) = fit.bad() else { continue };
                 bad.iter_mut().zip(also).for_each(|(bad, also)| *bad &= also);
                 if !bad.contains(&true) {
-                    // A jump that neither predicts: they only disagree on the side which is wrong.
+                    // A jump that neither prediction contains; they may differ on which side of it is wrong.
                     fit.moved().into_iter().for_each(|k| bad[k] = true);
                 }
                 if !bad.contains(&true) {
                     continue;
                 }
             }
-            // What is left of the best there is: the other runs, and what of this one is not bad.
+            // Reference agreement: the other runs, and the valid part of this run.
             let good = pairs.iter().enumerate().filter(|(k, _)| *k != run).flat_map(|(_, p)| off(p));
             let kept = off(own).into_iter().zip(&bad).filter(|(_, bad)| !**bad).map(|(x, _)| x);
             let usual = sorted(good.chain(kept));
@@ -162,8 +165,9 @@ pub fn set_aside(
     experiment.notes.extend(notes);
 }
 
-/// Grows what is bad as far as the reading is away from the prediction by more than usual, with a margin. It ends at a jump: there the
-/// sensor began or ceased to work.
+/// Extends the failed rows, with a margin, as long as the reading deviates from the prediction by more than usual. The extension ends at a
+/// jump,
+/// at which the sensor began or ceased to work.
 fn widen(bad: &mut [bool], off: &[f64], usual: f64, jumps: &[usize]) {
     const MARGIN: usize = 5;
     let mut ends = vec![0];
@@ -185,19 +189,19 @@ fn widen(bad: &mut [bool], off: &[f64], usual: f64, jumps: &[usize]) {
     }
 }
 
-/// What is asked of one output in one run.
+/// Data for the check of one output in one run.
 struct Judge<'a> {
     channel: &'static Channel,
     own: &'a Pair,
     column: &'a [f64],
     sigma: f64,
     moves: f64,
-    /// Standard deviation of the prediction that the priors leave, over some rows.
+    /// Standard deviation of the prediction due to the priors, over some rows.
     doubt: &'a dyn Fn(&[usize]) -> f64,
 }
 
 impl Judge<'_> {
-    /// Readings that fail, and how; `None` where none does.
+    /// Failed readings, and the kind of failure; `None` if there is none.
     fn bad(&self) -> Option<(Vec<bool>, &'static str)> {
         let mut bad = vec![false; self.column.len()];
         let mut why = None;
@@ -231,7 +235,7 @@ impl Judge<'_> {
         let resolution = sorted(changes).first().copied().unwrap_or(0.0);
         let least = (STEPS * resolution.max(self.sigma)).max(0.05 * self.moves);
         let long = |(a, b): &(usize, usize)| {
-            // Where all readings are one, their usual number is no measure.
+            // If all readings are identical, the usual number of repetitions is no criterion.
             let held = if stretches.len() > 2 { 4.0 * usual } else { 0.0 };
             let count = b - a + 1;
             let span = self.own.model[*a..=*b]
@@ -242,8 +246,9 @@ impl Judge<'_> {
         stretches.iter().filter(|s| long(s)).flat_map(|(a, b)| *a..=*b).collect()
     }
 
-    /// Stretches between jumps that lie further from the prediction than the best one by far. Where none does, all but the longest
-    /// one between jumps that the model does not predict: a sensor that has moved reads something else on either side.
+    /// Sections between jumps that deviate far more from the prediction than the best one. If there is none, all but the longest section
+    /// between
+    /// jumps that the model does not predict: a sensor that has moved reads differently before and after.
     fn jumped(&self) -> Vec<usize> {
         let jumps = super::signals::jumps(self.column);
         if jumps.is_empty() {
@@ -263,7 +268,7 @@ impl Judge<'_> {
         if far.is_empty() { self.moved() } else { far }
     }
 
-    /// All readings but those of the longest stretch between jumps that are no change of the prediction, and of stretches at its level.
+    /// All readings except those of the longest section between unpredicted jumps and of sections at the same level.
     fn moved(&self) -> Vec<usize> {
         if !self.channel.is_temperature() {
             return Vec::new();
@@ -276,7 +281,7 @@ impl Judge<'_> {
             .map(|(k, read, model)| (k, read - model))
             .collect();
         let least = own.iter().map(|(_, size)| size.abs()).fold(f64::INFINITY, f64::min);
-        // Stretches with the sum of the jumps before each.
+        // Sections with the accumulated jump before each.
         let mut parts = vec![(0..self.column.len(), 0.0)];
         for (k, size) in own {
             let Some((last, level)) = parts.last_mut() else { break };
@@ -298,13 +303,13 @@ impl Judge<'_> {
             let (read, model) = (self.own.read[*k], self.own.model[*k]);
             !(LEVEL.0..=LEVEL.1).contains(&(read / model)) && (read - model).abs() > FAR
         };
-        // Cold, a sensor that reads beyond all that the run makes of it.
+        // Near ambient, (1) is replaced by a limit on the deviation relative to the variation in the run.
         let far = |k: &usize| (self.own.read[*k] - self.own.model[*k]).abs() > self.moves.max(25.0);
         let failing: Vec<usize> = tells.iter().copied().filter(fails).collect();
         let mut all: Vec<usize> = (0..self.column.len()).filter(far).collect();
         if failing.len() >= LEAST_ROWS {
             all.extend(&failing);
-            // What has come off does not come on again, unless it follows again.
+            // A detached sensor does not reattach, unless it follows the prediction again.
             let last = failing[failing.len() - 1];
             if tells.iter().filter(|k| **k > last).count() < LEAST_ROWS {
                 all.extend(last..self.column.len());
@@ -338,7 +343,7 @@ impl Judge<'_> {
                 }
                 let moves = spread(&self.own.read[part.clone()]);
                 let is_still = (both / own).abs() < SLOPE && moves < 3.0 * SLOPE * moved + CLEAR * self.sigma;
-                // What the priors leave open may be all of the movement: a current as the small difference of two voltages.
+                // The priors may account for all of the variation: a current as the small difference of two voltages.
                 if is_still && moved > CERTAIN * (self.doubt)(&self.own.rows[part.clone()]) {
                     all.extend(part);
                 }
@@ -348,7 +353,7 @@ impl Judge<'_> {
     }
 }
 
-/// An input that is constant although it is noisy elsewhere, while an output that it drives moves away from the prediction.
+/// Input that is constant in one run although noisy in others, while an output driven by it deviates from the prediction.
 pub fn dead_input(experiment: &Experiment, predicted: &[Vec<Vec<f64>>]) -> Option<Unusable> {
     const AWAY: f64 = 0.1;
     for (k, channel) in experiment.inputs.iter().enumerate() {
@@ -396,7 +401,7 @@ pub fn dead_input(experiment: &Experiment, predicted: &[Vec<Vec<f64>>]) -> Optio
     None
 }
 
-/// The longest stretch of one and the same reading.
+/// Longest section of identical readings.
 fn longest(column: &[f64]) -> Option<(usize, usize)> {
     let (mut best, mut from) = (None, 0);
     for k in 0..column.len() {

@@ -1,48 +1,51 @@
-//! Sensors that show by their own readings that they do not work: spikes, jumps that no temperature makes, the end of a range.
+//! Sensor failures detectable from the readings alone: spikes, jumps that are impossible for a temperature, end of the range.
 //!
-//! Spike: a group of up to [`WIDEST`] readings whose distance from the line between the readings beside it is z deviations,
+//! Spike: a group of up to [`WIDEST`] readings that deviate from the line between the neighbouring readings by z standard deviations,
 //!
 //! z > sqrt(2 ln(n / alpha)),                                                                       (1)
 //!
-//! n the readings of the experiment and alpha the probability of one false alarm in all of it (bound on the greatest of n normal
-//! variables). The deviation is the greater of the channel's noise and that of the readings near by. A pulse that another channel
-//! makes in the same row is no spike, nor is a pulse of an input that another channel follows with a probability of chance below 1e-3.
+//! n the number of readings of the experiment and alpha the probability of one false alarm in the experiment (bound on the greatest of n
+//! normal
+//! variables). The standard deviation is the greater of the channel's noise and that of the neighbouring readings. A pulse in the same row
+//! as
+//! one of another channel is not a spike, nor is a pulse of an input that another channel follows, at a significance level of 1e-3.
 //! *Sources*: Hampel, J. Am. Stat. Assoc. 69 (1974) 383-393; Davies and Gather, J. Am. Stat. Assoc. 88 (1993) 782-792.
 //!
-//! Jump: a temperature has a heat capacity. A change from row to row that is far beyond the channel's usual ones is the sensor's
-//! contact; on one side of it the readings are no temperature ([`super::response`] decides on which).
+//! Jump: a temperature belongs to a heat capacity and is continuous. A change between rows far greater than the channel's usual changes is
+//! a
+//! contact failure of the sensor; on one side of it the readings are no temperature ([`super::response`] determines which).
 
 use crate::experiment::{Channel, Experiment, Table};
 use crate::noise;
 
 /// Probability of a false alarm in an experiment.
 const ALPHA: f64 = 1e-3;
-/// Deviations at which a channel follows the pulse of an input: two-sided probability of chance 1e-3.
+/// Standard deviations at which a channel follows the pulse of an input: two-sided significance level 1e-3.
 const FOLLOWS: f64 = 3.29;
 /// Most readings of a spike.
 const WIDEST: usize = 5;
-/// Difference of the readings on both sides of a spike, as a fraction of it.
+/// Greatest difference of the readings on both sides of a spike, as a fraction of the spike.
 const ALIKE: f64 = 0.3;
-/// Readings near by.
+/// Number of neighbouring readings.
 const NEAR: usize = 10;
-/// Fraction of a channel's readings that are spikes from which on none is trusted.
+/// Fraction of spikes above which all readings of a channel are rejected.
 const MOSTLY: f64 = 0.1;
-/// A jump is this many times the greatest change among all but [`RARE`] of the channel's changes, and at least so many kelvin.
+/// A jump exceeds all but the fraction [`RARE`] of the channel's changes by this factor, and is at least this many kelvin.
 const JUMP: (f64, f64) = (6.0, 3.0);
 const RARE: f64 = 0.005;
 /// Fewest equal readings of a drop-out.
 const REPEATED: usize = 3;
-/// A sensor of temperature never reads beyond, K: outside are the codes of an open or shorted one.
+/// Range of temperature sensors, K: readings outside are codes of an open or shorted sensor.
 const POSSIBLE: (f64, f64) = (100.0, 1273.15);
 
-/// (1) of an experiment.
+/// Bound (1) for an experiment.
 pub(super) fn bound(experiment: &Experiment) -> f64 {
     let channels = experiment.inputs.len() + experiment.outputs.len();
     let readings: usize = experiment.runs.iter().map(|r| r.table.time.len() * channels).sum();
     (2.0 * (readings as f64 / ALPHA).ln()).sqrt()
 }
 
-/// Sets aside what shows by itself, with notes; says of every channel how many spikes it had.
+/// Sets aside the failures found, with notes; returns the number of spikes of every channel.
 pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
     let channels: Vec<&'static Channel> =
         experiment.inputs.iter().chain(&experiment.outputs).copied().collect();
@@ -86,7 +89,7 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
         }
         let spikes: Vec<Vec<usize>> =
             channels.iter().enumerate().map(|(k, c)| spikes(table, k, c, least)).collect();
-        // Nothing that the motor does makes a pulse of the ambient temperature: the logger failed in such a row.
+        // The ambient temperature cannot have pulses caused by the motor: in such a row the logger failed.
         let failed: Vec<usize> = (0..experiment.inputs.len())
             .filter(|k| channels[*k].is_temperature())
             .flat_map(|k| spikes[k].iter().copied())
@@ -111,7 +114,7 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
             };
             let mut own: Vec<usize> = spikes[k].iter().filter(alone).copied().collect();
             if k < experiment.inputs.len() {
-                // What is commanded moves others; a spike of the reading does not.
+                // A real pulse of an input changes other channels; a spike in its reading does not.
                 own = own
                     .chunk_by(|a, b| b - a == 1)
                     .filter(|group| {
@@ -143,7 +146,7 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
     counts
 }
 
-/// The one reading that an amplifier shows without its sensor: exactly repeated and far from all others, of a sensor that repeats none else.
+/// Code of an amplifier without sensor: the only value of the column that is repeated exactly, and far from all others.
 fn code(column: &[f64]) -> Option<f64> {
     let all = super::sorted(column.iter().copied());
     let runs: Vec<&[f64]> = all.chunk_by(|a, b| a == b).collect();
@@ -159,7 +162,7 @@ fn code(column: &[f64]) -> Option<f64> {
     low.or_else(|| of(last, below, last[0] - below.last().map_or(f64::INFINITY, |r| r[0])))
 }
 
-/// Whether a channel leaves the line between the readings beside these rows.
+/// Whether a channel deviates from the line between the readings next to these rows.
 fn follows(table: &Table, channel: usize, rows: &[usize]) -> bool {
     let column = &table.columns[channel];
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else { return false };
@@ -174,17 +177,17 @@ fn follows(table: &Table, channel: usize, rows: &[usize]) -> bool {
     let (time, values): (Vec<f64>, Vec<f64>) =
         there.iter().map(|row| (table.time[*row], column[*row])).unzip();
     let Some(sigma) = noise::of_column(&time, &values) else { return false };
-    // A mean of so many readings, and the line through two.
+    // Variance of the mean of these readings plus that of the line through two.
     let deviation = sigma * (1.0 / rows.len() as f64 + 0.5).sqrt();
     mean.is_finite() && deviation > 0.0 && mean.abs() > FOLLOWS * deviation
 }
 
-/// Rows of spikes of a channel of a table.
+/// Rows of a table at which a channel has spikes.
 fn spikes(table: &Table, k: usize, channel: &Channel, least: f64) -> Vec<usize> {
     Readings::of(&table.time, &table.columns[k]).spikes(channel.is_temperature(), least, (1.0, ALIKE))
 }
 
-/// The readings that a column has.
+/// Readings of a column.
 pub(super) struct Readings {
     rows: Vec<usize>,
     time: Vec<f64>,
@@ -209,8 +212,9 @@ impl Readings {
         self.sigma.max(self.usual)
     }
 
-    /// Rows of spikes beyond `least` deviations, which are twice as large as the changes near by are but for the greatest `1 - quantile`;
-    /// the readings on both sides differ by no more than `alike` of them.
+    /// Rows of spikes greater than `least` standard deviations and twice the neighbouring changes, of which the greatest `1 - quantile`
+    /// are
+    /// ignored; the readings on both sides differ by at most the fraction `alike` of the spike.
     pub(super) fn spikes(
         &self,
         is_temperature: bool,
@@ -218,7 +222,7 @@ impl Readings {
         (quantile, alike): (f64, f64),
     ) -> Vec<usize> {
         let (column, time, n) = (&self.column, &self.time, self.column.len());
-        // A command moves in steps and has no noise: its pulses are meant.
+        // A command has steps and no noise: its pulses are intended.
         if n < 4 * NEAR || (self.size() == 0.0 && !is_temperature) {
             return Vec::new();
         }
@@ -226,7 +230,7 @@ impl Readings {
             let (a, b) = (column[row - 1], column[row + width]);
             let slope = (b - a) / (time[row + width] - time[row - 1]);
             let off = |j: usize| (column[j] - a - slope * (time[j] - time[row - 1])).abs();
-            // All of the group far out, and both sides alike.
+            // All readings of the group deviate, and both sides are at the same level.
             let size = (row..row + width).map(off).fold(f64::INFINITY, f64::min);
             if size <= least * self.size() || (b - a).abs() > alike * size {
                 return false;
@@ -253,7 +257,7 @@ impl Readings {
         found
     }
 
-    /// The first and the last row, where they stand as far off from the readings beside them.
+    /// The first and the last row, if they deviate as far from the neighbouring readings.
     pub(super) fn ends(&self, least: f64, quantile: f64) -> Vec<usize> {
         let n = self.column.len();
         if n < 4 * NEAR {
@@ -270,7 +274,7 @@ impl Readings {
         ends.into_iter().flatten().collect()
     }
 
-    /// How far a row is from the median of the readings beside it, in deviations.
+    /// Deviation of a row from the median of the neighbouring readings, in standard deviations.
     pub(super) fn distance(&self, row: usize) -> f64 {
         let Ok(place) = self.rows.binary_search(&row) else { return 0.0 };
         let beside = place.saturating_sub(NEAR)..(place + NEAR + 1).min(self.column.len());
@@ -278,7 +282,7 @@ impl Readings {
     }
 }
 
-/// Rows at which a temperature jumps.
+/// Rows at which a temperature has a jump.
 pub fn jumps(column: &[f64]) -> Vec<usize> {
     let rows: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
     if rows.len() < 4 * NEAR {
@@ -296,7 +300,7 @@ mod tests {
     use super::*;
     use crate::testing::{normal, rng};
 
-    /// A winding that warms and cools with noise of 0.1 K.
+    /// A winding that heats up and cools down, with noise of 0.1 K.
     fn warming(seed: u64) -> Vec<f64> {
         let mut rng = rng(seed);
         let mut at = 295.0;

@@ -1,4 +1,4 @@
-//! Mistakes in data that are the model's own with noise.
+//! Faults introduced into data simulated with noise.
 
 use super::*;
 use crate::testing::{self, normal, rng};
@@ -15,12 +15,12 @@ const TORQUE: usize = 5;
 const WINDING: usize = 6;
 const HOUSING: usize = 7;
 
-/// One run of 1200 rows of 3 s with steps of current, speed and fan, its readings those of a specimen that differs from the preset.
+/// One run of 1200 rows of 3 s with steps of current, speed and fan; the readings are those of a specimen that differs from the preset.
 fn experiment(seed: u64) -> Experiment {
     with_inputs(seed, |_| ())
 }
 
-/// The same with other inputs.
+/// The same with modified inputs.
 fn with_inputs(seed: u64, change: impl Fn(&mut [Vec<f64>])) -> Experiment {
     let mut experiment = testing::experiment(PRIORS, true);
     experiment.noise.clear();
@@ -51,7 +51,7 @@ fn column(experiment: &mut Experiment, k: usize) -> &mut Vec<f64> {
     &mut experiment.runs[0].table.columns[k]
 }
 
-/// Late by so many seconds.
+/// Delays a column by so many seconds.
 fn late(experiment: &mut Experiment, k: usize, seconds: f64) {
     let table = &mut experiment.runs[0].table;
     let (time, old) = (table.time.clone(), table.columns[k].clone());
@@ -73,7 +73,7 @@ fn good_data_are_used_as_they_are() {
     }
 }
 
-/// Wild readings beside steps of the current, beside each other, of both signs, in the first and the last row, small ones and large ones.
+/// Outliers next to steps of the current, next to each other, of both signs, in the first and the last row, small and large.
 #[test]
 fn wild_readings_are_set_aside_wherever_they_stand() {
     for (k, size) in [(VOLTAGE, 0.4), (TORQUE, 0.02), (WINDING, 3.0), (HOUSING, 3.0)] {
@@ -91,7 +91,7 @@ fn wild_readings_are_set_aside_wherever_they_stand() {
     }
 }
 
-/// A row in which the logger wrote zeros for everything.
+/// A row in which the logger recorded zeros in all columns.
 #[test]
 fn a_row_that_the_logger_lost_is_set_aside() {
     let mut lost = experiment(4);
@@ -106,7 +106,7 @@ fn a_row_that_the_logger_lost_is_set_aside() {
     }
 }
 
-/// The delay is estimated, and nothing of the channel is left; what a lag of the sensor does is left for the search.
+/// The delay is estimated, and the channel is set aside; a sensor lag is left to the search for effects.
 #[test]
 fn a_channel_with_a_clock_of_its_own_is_set_aside() {
     for (k, seconds) in [(WINDING, 24.0), (WINDING, -60.0), (VOLTAGE, 33.0), (HOUSING, 80.0)] {
@@ -140,7 +140,7 @@ fn an_input_with_a_clock_of_its_own_is_unusable() {
     }
 }
 
-/// A mistake, what it does to the data, and the column that is set aside.
+/// A fault: name, change of the data, and the column that is set aside.
 struct Case(&'static str, fn(&mut Vec<Vec<f64>>), &'static str);
 
 const CASES: [Case; 3] = [
@@ -158,12 +158,12 @@ const CASES: [Case; 3] = [
     ),
 ];
 
-/// No reading of a mistake is left for the search; units, signs and exchanged columns: `tests/python/test_close_loop_intake.py`.
+/// No faulty reading reaches the search; units, signs and exchanged columns: `tests/python/test_close_loop_intake.py`.
 #[test]
 fn sensors_that_do_not_work_are_set_aside() {
     for Case(what, make, channel) in CASES {
         let mut wrong = experiment(7);
-        // An ambient temperature that is measured has noise.
+        // A measured ambient temperature has noise.
         let mut rng = rng(8);
         column(&mut wrong, AMBIENT).iter_mut().for_each(|x| *x += 0.02 * normal(&mut rng));
         make(&mut wrong.runs[0].table.columns);
@@ -173,7 +173,7 @@ fn sensors_that_do_not_work_are_set_aside() {
     }
 }
 
-/// An ambient sensor that is open, at any value, and a motor that was warm; not one that is a few kelvin off.
+/// An open ambient sensor at any value and a motor that was warm are detected; an offset of a few kelvin is not.
 #[test]
 fn a_run_that_starts_elsewhere_is_unusable() {
     for (shift, is_far) in [(-84.0, true), (107.0, true), (-15.0, true), (4.0, false), (0.0, false)] {
@@ -196,7 +196,7 @@ fn unusable(experiment: &mut Experiment) -> Option<String> {
     }
 }
 
-/// A sensor that is moved reads another fraction of the rise, or an offset, from then on: the longer part is kept, and all of it.
+/// A sensor that is moved reads another fraction of the rise, or an offset, afterwards: the longer section is kept completely.
 #[test]
 fn readings_of_a_sensor_that_has_moved_are_set_aside() {
     for (k, from, share, offset) in [
@@ -218,7 +218,7 @@ fn readings_of_a_sensor_that_has_moved_are_set_aside() {
     }
 }
 
-/// A speed that nobody measured; not one of a shaft that truly is locked, whatever is wrong with the voltage.
+/// A speed that was not measured is detected; a locked shaft is not reported, even with a faulty voltage.
 #[test]
 fn an_input_that_was_not_measured_is_unusable() {
     let mut unmeasured = experiment(11);
@@ -230,7 +230,7 @@ fn an_input_that_was_not_measured_is_unusable() {
     assert_ne!(unusable(&mut locked).as_deref(), Some("speed_rad_per_s"));
 }
 
-/// An ambient sensor on the motor or beside it; one in a room that warms is used.
+/// An ambient sensor on or next to the motor is detected; one in an ambient that warms up is used.
 #[test]
 fn an_ambient_sensor_that_the_motor_heats_is_unusable() {
     for share in [0.9, 1.0] {
@@ -246,8 +246,9 @@ fn an_ambient_sensor_that_the_motor_heats_is_unusable() {
     assert_eq!(unusable(&mut warming), None, "{:?}", warming.notes);
 }
 
-/// No-load currents of a voltage drive are the small difference of two voltages: 3 % of the torque constant predict amperes. The
-/// priors say so, and the readings are used; a prediction that were certain would call the sensor dead.
+/// No-load currents of a voltage drive are the small difference of two voltages: an error of 3 % in the torque constant changes the
+/// prediction by
+/// amperes. The priors include this, and the readings are used; without priors the sensor would be reported as dead.
 #[test]
 fn a_small_current_is_no_dead_sensor() {
     let outputs = ["current_A", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"];

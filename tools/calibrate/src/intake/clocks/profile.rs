@@ -1,4 +1,4 @@
-//! The mean square that an output leaves with its clock moved or behind a lag, at its minimum over the declared parameters.
+//! Residual mean square of an output with its clock shifted or with a first-order lag, minimised over the declared parameters.
 
 use crate::CalibrateError;
 use crate::experiment::Table;
@@ -7,7 +7,7 @@ use crate::hypothesis::Hypothesis;
 use crate::setup::Setup;
 use nalgebra::{DMatrix, DVector};
 
-/// One output of one run beside what is predicted: prediction first, then the sensitivities.
+/// One output of one run with its prediction: prediction first, then the sensitivities.
 #[derive(Clone)]
 struct Line {
     time: Vec<f64>,
@@ -16,7 +16,7 @@ struct Line {
 }
 
 impl Line {
-    /// Readings and columns at the rows that are known with the columns late by so many seconds.
+    /// Calls `tell` with readings and columns delayed by `late` seconds, at the rows where these are known.
     fn late(&self, late: f64, mut tell: impl FnMut(f64, &mut dyn FnMut(usize) -> f64)) {
         let n = self.time.len();
         let mut j = 0;
@@ -37,14 +37,14 @@ impl Line {
         }
     }
 
-    /// With every column behind a first-order lag.
+    /// Line with a first-order lag applied to every column.
     fn lagged(&self, tau: f64) -> Line {
         let of = |column: &Vec<f64>| {
             let mut at = column[0];
             let mut all = vec![at];
             for k in 1..column.len() {
                 let h = (self.time[k] - self.time[k - 1]) / tau;
-                // The input runs along a line from row to row.
+                // The input is linear between rows.
                 let (gone, slope) = ((-h).exp(), (column[k] - column[k - 1]) / h);
                 at = column[k] - slope + (at - column[k - 1] + slope) * gone;
                 all.push(at);
@@ -55,10 +55,10 @@ impl Line {
     }
 }
 
-/// What limits delta of (1): for each parameter the variance of the noise over that of the prior, and how far the prior is.
+/// Prior constraint of delta in (1): for each parameter the ratio of noise variance to prior variance, and the distance to the prior.
 type Priors = Vec<(f64, f64)>;
 
-/// S of (1) at its minimum over delta and a constant, and the readings.
+/// S of (1), minimised over delta and a constant, and the number of readings.
 fn mean_square(lines: &[Line], late: f64, priors: &Priors) -> Option<(f64, usize)> {
     let q = priors.len();
     let mut normal = DMatrix::<f64>::zeros(q + 1, q + 1);
@@ -95,16 +95,16 @@ fn mean_square(lines: &[Line], late: f64, priors: &Priors) -> Option<(f64, usize
     Some((rest.max(1e-300) / count as f64, count))
 }
 
-/// A fit about which (1) is linearised.
+/// Fit about which (1) is linearised.
 pub struct About {
-    /// Output by output, run by run.
+    /// By output, then by run.
     lines: Vec<Vec<Line>>,
     priors: Vec<Priors>,
 }
 
 impl About {
     /// # Errors
-    /// What the model says where it cannot be run.
+    /// The message of the model if it cannot be run.
     pub fn new(setup: &Setup, hypothesis: &Hypothesis, runs: &[usize]) -> Result<About, CalibrateError> {
         let slopes = Slopes::new(setup, hypothesis, runs, &[])?;
         let (m, inputs) = (setup.outputs(), setup.experiment.inputs.len());
@@ -136,18 +136,18 @@ impl About {
         Ok(About { lines, priors: (0..m).map(limits).collect() })
     }
 
-    /// S and readings of an output that is late.
+    /// S of a delayed output, and the number of readings.
     pub fn late(&self, output: usize, late: f64) -> Option<(f64, usize)> {
         mean_square(&self.lines[output], late, &self.priors[output])
     }
 
-    /// The same of an output whose sensor has a first-order lag.
+    /// The same for an output whose sensor has a first-order lag.
     pub fn lagged(&self, output: usize, tau: f64) -> Option<(f64, usize)> {
         let lines: Vec<Line> = self.lines[output].iter().map(|l| l.lagged(tau)).collect();
         mean_square(&lines, 0.0, &self.priors[output])
     }
 
-    /// The same with other predictions, run by run, output by output.
+    /// The same for other predictions, by run and output.
     pub fn with(&self, predicted: &[Vec<Vec<f64>>], output: usize) -> Option<(f64, usize)> {
         let of = |(line, model): (&Line, &Vec<Vec<f64>>)| {
             let mut line = line.clone();
@@ -159,7 +159,7 @@ impl About {
     }
 }
 
-/// A column with its clock set right that was late; blank where nothing was measured then.
+/// Column with its delay corrected; blank where there is no reading.
 pub fn moved(table: &Table, column: usize, late: f64) -> Vec<f64> {
     let line = Line {
         time: table.time.clone(),

@@ -5,25 +5,25 @@ use crate::experiment::units::{names, units};
 use crate::experiment::{Channel, Experiment};
 use physics::declare::Unit;
 
-/// A change of the data.
+/// Hypothetical mistake: a change of the data.
 #[derive(Clone, Debug)]
 pub enum Mistake {
-    /// Columns are read as factor * x + offset, in SI units.
+    /// Columns are converted by factor * x + offset, in SI units.
     Affine { columns: Vec<usize>, factor: f64, offset: f64, words: String },
     /// Two columns are exchanged.
     Swap(usize, usize),
-    /// A column of temperatures holds rises over ambient.
+    /// A temperature column contains rises over ambient.
     Rise(usize),
-    /// The ambient temperature is measured where the motor heats the sensor; the first reading of a run is the ambient temperature.
+    /// The ambient sensor is heated by the motor; the first reading of a run is used as the ambient temperature.
     Heated(usize),
-    /// An input was not measured: its column is constant. An output implies its values, and is then no evidence itself.
+    /// An input was not measured: its column is constant. Its values are implied by an output, which is then no longer evidence.
     Unmeasured {
         /// The column of the input.
         column: usize,
         /// The column of the output.
         by: usize,
     },
-    /// Times are multiplied.
+    /// Times are multiplied by a factor.
     Time(f64, &'static str),
 }
 
@@ -39,12 +39,12 @@ impl Mistake {
         }
     }
 
-    /// Whether the prediction changes with it.
+    /// Whether it changes the prediction, so that a simulation is needed.
     pub fn is_simulated(&self, inputs: usize) -> bool {
         matches!(self, Mistake::Time(..)) || self.touches().iter().any(|k| *k < inputs)
     }
 
-    /// Whether shapes hardly show it: two thermometers of the motor exchanged, all temperatures in another unit, or an ambient
+    /// Whether it hardly changes the shapes: two thermometers of the motor exchanged, all temperatures in another unit, or an ambient
     /// temperature that rises with the motor.
     pub fn is_alike(&self, experiment: &Experiment) -> bool {
         let all = channels(experiment);
@@ -60,7 +60,7 @@ impl Mistake {
         }
     }
 
-    /// Takes it back in some runs.
+    /// Corrects it in some runs.
     pub fn apply(&self, experiment: &mut Experiment, runs: &[usize]) {
         let ambients: Vec<Vec<f64>> =
             runs.iter().map(|r| ambient(experiment, &experiment.runs[*r])).collect();
@@ -80,7 +80,7 @@ impl Mistake {
                     let first = column.iter().copied().find(|x| x.is_finite()).unwrap_or(f64::NAN);
                     column.fill(first);
                 }
-                // Its values need the model: `super::unmeasured`.
+                // The values require the model: `super::unmeasured`.
                 Mistake::Unmeasured { .. } => {}
                 Mistake::Time(factor, _) => {
                     let first = table.time[0];
@@ -90,7 +90,7 @@ impl Mistake {
         }
     }
 
-    /// The channel to blame, the reason and what to do.
+    /// Faulty channel, reason and suggested correction.
     pub fn words(&self, experiment: &Experiment, files: &str) -> (String, String, String) {
         let name = |k: usize| channels(experiment)[k].column.to_string();
         match self {
@@ -154,7 +154,7 @@ fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
     experiment.inputs.iter().chain(&experiment.outputs).copied().collect()
 }
 
-/// Factor and offset in SI units of every mistake in the unit of a quantity, with words for what the readings are.
+/// Factor and offset in SI units of all unit mistakes for a quantity, with a description of the readings.
 fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     let mut all: Vec<(f64, f64, String)> = Vec::new();
     let contract = |name: &str| match of {
@@ -173,7 +173,7 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
         return all;
     }
     add(-1.0, if of == Unit::Kelvin { 2.0 * 273.15 } else { 0.0 }, "the opposite sign".to_string());
-    // First those that stand for the contract's own unit: their words are the plainest.
+    // Mistakes from the contract's own unit come first: their description is the simplest.
     let pairs = || known.iter().flat_map(|stated| known.iter().map(move |meant| (stated, meant)));
     for plain in [true, false] {
         for ((as_stated, stated), (as_meant, meant)) in pairs().filter(|(s, _)| contract(s.0) == plain) {
@@ -212,7 +212,7 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     all
 }
 
-/// Every mistake with these columns alone.
+/// All mistakes that involve these columns only.
 pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let all = channels(experiment);
     let mut found = Vec::new();
@@ -223,7 +223,7 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
         found.push(Mistake::Time(factor, unit));
     }
     for (k, channel) in all.iter().enumerate() {
-        // Commands and pressures have their limits.
+        // Commands and pressures are covered by their limits.
         let units =
             if matches!(channel.unit, Unit::One | Unit::Pascal) { Unit::PerKelvin } else { channel.unit };
         for (factor, offset, words) in unit_mistakes(units) {
@@ -237,7 +237,7 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
             quantities.push(channel.unit);
         }
     }
-    // Columns of one quantity are of one logger.
+    // Columns of one quantity usually come from one logger.
     for unit in quantities {
         let columns: Vec<usize> = (0..all.len()).filter(|k| all[*k].unit == unit).collect();
         if columns.len() > 1 {

@@ -1,26 +1,28 @@
-//! Inputs that were not measured: a constant column, which an output contradicts.
+//! Inputs that were not measured: a constant column that contradicts an output.
 //!
 //! u <- u + (y - p(u)) / s,   s = dp/du                                                             (1)
 //!
-//! y the readings of an output that follows the input at once (voltage, torque, current, speed), p its prediction. Newton's method (1),
-//! row by row, gives the values of the input that this output implies. Whether they are right, the other outputs decide: a command that
-//! truly is constant, such as a locked shaft, makes them worse. Where no other output depends on the input by more than the structure
-//! error, nothing is decided.
+//! y the readings of an output with direct feedthrough from the input (voltage, torque, current, speed), p its prediction. Newton's method
+//! (1),
+//! applied to each row, gives the values of the input that this output implies. The other outputs decide whether they are correct: if the
+//! input really is constant, as with a locked shaft, their agreement deteriorates. If no other output depends on the input by more than
+//! the
+//! structure error, no conclusion is drawn.
 
 use super::{Changed, Judge, Mistake, Predicted, STRUCTURE, blanked, score};
 use crate::experiment::Experiment;
 use physics::declare::Unit;
 
-/// q of an output that disagrees: a missing effect leaves [`STRUCTURE`] to two and a half of it, and an input that moves far more.
+/// q above which an output disagrees: a missing effect causes 1 to 2.5 times [`STRUCTURE`], a varying input far more.
 const DISAGREES: f64 = 5.0 * STRUCTURE;
-/// Iterations of (1): voltage and torque are linear in speed and current but for friction.
+/// Iterations of (1): voltage and torque are linear in speed and current except for friction.
 const ITERATIONS: usize = 3;
-/// Slopes below this fraction of the greatest one say nothing about the input.
+/// Derivatives below this fraction of the greatest one do not determine the input.
 const FLAT: f64 = 1e-3;
-/// Fraction of the nominal value by which an input is moved to find s; as a difference it has half of the digits.
+/// Perturbation of an input for s, as a fraction of its nominal value; a difference retains half of the digits.
 const MOVE: f64 = 1e-4;
 
-/// Each constant input with the values that an output implies which disagrees.
+/// Each constant input with the values implied by an output that disagrees.
 pub(super) fn of(
     judge: &Judge,
     experiment: &Experiment,
@@ -37,7 +39,7 @@ pub(super) fn of(
     pairs.filter_map(|(column, output)| implied(judge, experiment, predicted, column, output)).collect()
 }
 
-/// Whether a column that is no command and no temperature has one and the same reading in all of these runs.
+/// Whether a column that is neither command nor temperature has the same reading in all rows of these runs.
 fn is_constant(judge: &Judge, experiment: &Experiment, k: usize) -> bool {
     let column = |run: &usize| experiment.runs[*run].table.columns[k].iter().filter(|x| x.is_finite());
     let mut readings = judge.runs.iter().flat_map(column);
@@ -46,7 +48,7 @@ fn is_constant(judge: &Judge, experiment: &Experiment, k: usize) -> bool {
     is_measured && readings.all(|x| Some(x) == first)
 }
 
-/// The data with the values of an input that an output implies, and without this output.
+/// The data with the input values implied by an output, without this output.
 fn implied(
     judge: &Judge,
     experiment: &Experiment,
