@@ -28,7 +28,8 @@ use std::time::Duration;
 
 /// Fewest rows of a run that can be fitted: the noise of a channel is estimated from the second differences of at least five.
 const LEAST_ROWS: usize = 5;
-/// Fraction of an input's readings outside the limits of its variable above which the unit is taken to be wrong; below it, the readings.
+/// If more than this fraction of an input's readings is outside the limits of its variable, its unit is wrong; otherwise only these
+/// readings.
 const WRONG_UNIT: f64 = 0.5;
 /// Greatest error of a working temperature sensor, K: two thermocouples of class 2 (2.5 K each, IEC 60584-1) with cold junctions
 /// (2 K each) differ by up to 9 K.

@@ -150,8 +150,7 @@ impl<'a> Linearization<'a> {
     }
 
     /// Parameter changes to first order, with uncertainty; optionally estimated jointly with a latent input at a port, which must be among
-    /// the
-    /// ports of the linearization.
+    /// the ports of the linearization.
     pub fn estimated(&self, beside: Option<Port>) -> Estimated {
         let free = beside.and_then(|port| latent_input(self, port));
         let gain = free.as_ref().and_then(|f| self.evidence.shape(&f.columns, &f.kernel));
@@ -227,8 +226,7 @@ impl<'a> Linearization<'a> {
     }
 
     /// Rows at which a current or speed is indistinguishable from zero. A candidate that acts there would explain the noise by making the
-    /// motor
-    /// insensitive to its inputs.
+    /// motor insensitive to its inputs.
     pub fn hidden(&self, driver: Option<Driver>) -> impl Fn(&Drivers) -> bool {
         let driver = driver.filter(|d| matches!(d, Driver::Current | Driver::Speed));
         let least = driver.and_then(|d| Some((d, HIDDEN * self.setup.noise_of(Channel::reading(d)?)?)));
@@ -319,8 +317,7 @@ impl<'a> Linearization<'a> {
     }
 
     /// Values of the drivers at the rows of the runs, predicted by the fit without added effects, which is close to the readings. A model
-    /// without
-    /// an effect that was found deviates from them and covers ranges of the drivers in which there are no readings.
+    /// without an effect that was found deviates from them and covers ranges of the drivers in which there are no readings.
     pub fn drivers(&self) -> impl Iterator<Item = &Drivers> {
         let own = if self.setup.reached.is_empty() { &self.slopes.tangents[..] } else { &[] };
         self.setup.reached.iter().chain(own.iter().flat_map(|t| &t.drivers))
@@ -433,8 +430,7 @@ fn evidence(
     }
     let known = columns.len();
     // Responses to drifting sensors of the outputs and of the ambient temperature: thermometers are of the same kind and have the same
-    // drift, up
-    // to the noise of the noisiest one.
+    // drift, up to the noise of the noisiest one.
     let all = || setup.experiment.inputs.iter().chain(&setup.experiment.outputs).enumerate();
     let thermometers = all().filter(|(k, c)| c.is_temperature() && *k >= inputs).map(|(k, _)| setup.noise[k]);
     let loudest = thermometers.fold(0.0, f64::max);

@@ -8,10 +8,8 @@
 //! quantised: q^2 / 12,   q the quantization step of a channel                                             (3)
 //!
 //! *Assumes* white noise; for slowly drifting noise (2) gives 0, and [`LEAST`] is used instead. Quantization (3) by a converter or a
-//! display
-//! also gives 0 in (2) if it is coarser than the noise; if it is finer, (2) includes it. The greater of both is therefore used. A stated
-//! noise
-//! is that of the sensor alone; (3) is added to it.
+//! display also gives 0 in (2) if it is coarser than the noise; if it is finer, (2) includes it. The greater of both is therefore used. A
+//! stated noise is that of the sensor alone; (3) is added to it.
 //! *Source*: Gasser, Sroka, Jennen-Steinmetz, Biometrika 73 (1986) 625-633; 1.4826 makes the median of a normal
 //! distribution its standard deviation. (3): Widrow, IRE Transactions on Circuit Theory 3 (1956) 266-276.
 
@@ -27,8 +25,7 @@ const LONGEST: usize = 20;
 /// Fewest changes between rows for estimating a quantization step: fewer are plateaus.
 const MOVES: usize = 20;
 /// Quantile of the changes, in ascending order, at which the step is read: for continuous noise it is nearly zero, for quantised noise it
-/// is
-/// the step itself.
+/// is the step itself.
 const FIRST: f64 = 0.02;
 /// Tolerance of a change as a multiple of the step, and fraction of the changes that must meet it.
 const ON_STEPS: (f64, f64) = (0.02, 0.95);
@@ -60,8 +57,7 @@ fn step<'a>(columns: impl Iterator<Item = &'a [f64]>, is_temperature: bool) -> O
 }
 
 /// Standard deviation of the noise of one column of one run; `None` with fewer than five readings. Rows that a slower sensor leaves blank
-/// are
-/// ignored; if readings are repeated for a constant number of rows, only new readings count.
+/// are ignored; if readings are repeated for a constant number of rows, only new readings count.
 pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
     let known: Vec<(f64, f64)> =
         time.iter().copied().zip(column.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
@@ -106,8 +102,7 @@ fn of_readings(known: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// Standard deviations of all channels, inputs first, in SI units: as stated in the experiment, otherwise the median over its runs;
-/// including
-/// quantization.
+/// including quantization.
 pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
     let channels = experiment.inputs.iter().chain(&experiment.outputs);
     channels

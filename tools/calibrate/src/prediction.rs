@@ -5,10 +5,8 @@
 //!
 //! sigma is the noise of an output including the direct contribution of input noise, j the sensitivities of the output to the fitted
 //! parameters, and C their covariance. The last term is the structure error, the part that no parameter values can reproduce. It is
-//! proportional
-//! to the excursion d of the output: for a temperature the rise over the first row, otherwise the value. (2) is a moment estimate from
-//! runs that
-//! were not fitted, if there are any.
+//! proportional to the excursion d of the output: for a temperature the rise over the first row, otherwise the value. (2) is a moment
+//! estimate from runs that were not fitted, if there are any.
 //! *Assumes* a normal distribution, and the same structure error relative to d in the runs of (2) as in those that are predicted.
 //! *Source*: Kennedy, O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464, for the three parts.
 

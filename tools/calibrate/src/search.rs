@@ -182,8 +182,7 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
 }
 
 /// A heat at the housing that decreases with its temperature is a heat loss: if a conductance to ambient over the same driver explains
-/// nearly
-/// as much, the conductance is preferred.
+/// nearly as much, the conductance is preferred.
 fn leave_to_the_air(all: &mut Vec<Scored>) {
     let temperature = [Driver::HousingTemperature, Driver::WindingTemperature].map(Follows::Driver);
     let law = |s: &Scored, port: Port| s.port == port && !s.listed && temperature.contains(&s.follows);

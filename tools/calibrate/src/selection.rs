@@ -32,10 +32,9 @@ const CANDIDATES: [usize; 4] = [4, 2, 2, 2];
 /// Numbers of additional candidates, ranked by the other measure.
 const FURTHER: [usize; 4] = [3, 1, 1, 1];
 /// A candidate with its own heat capacity takes ten times as long to simulate; it is fitted only if its evidence is at least this fraction
-/// of
-/// the best.
+/// of the best.
 const STORED: f64 = 0.2;
-/// Laws whose costs differ by less than this (absolute, relative) are selected by validation error.
+/// Laws whose costs differ by less than this (absolute or relative, the greater one applies) are selected by validation error.
 const PREDICTING: (f64, f64) = (30.0, 0.02);
 /// A table must have a validation error smaller than that of a power law by this factor.
 const CLEARLY: f64 = 1.05;
@@ -273,8 +272,7 @@ fn is_sensor(port: Port) -> bool {
 }
 
 /// Among laws with the port and driver of the `k`-th candidate, the one with the smallest validation error. A power law extrapolates, a
-/// table is
-/// held constant: a table has to be clearly better.
+/// table is held constant: a table has to be clearly better.
 fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize) -> usize {
     let place = |c: &Candidate| (c.addition().port, c.addition().follows);
     if candidates[k].addition().is_listed() {
@@ -317,8 +315,9 @@ fn law_ahead(point: &Linearization, candidates: &mut [Candidate], k: usize) -> O
     ahead.then_some(law)
 }
 
-/// The most promising candidates of each kind, with distinct effects, ports or drivers: ranked by evidence allowing for sensor drift, then
-/// by evidence without drift. If a large missing effect biases the parameters, one of the rankings is misleading.
+/// The most promising candidates of each kind, with distinct effects, ports or drivers: ranked by evidence under both noise models, then
+/// by evidence for white noise, which assumes no sensor drift. If a large missing effect biases the parameters, one of the rankings is
+/// misleading.
 fn choose(scored: &[Scored]) -> Vec<&Scored> {
     let mut chosen: Vec<&Scored> = Vec::new();
     let surest = scored.iter().map(Scored::sure).fold(0.0, f64::max);

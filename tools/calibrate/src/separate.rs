@@ -1,10 +1,8 @@
 //! Further run or reading that would distinguish two models between which the data cannot decide: predicted with both.
 //!
 //! Every output that a bench can measure is compared over the existing runs and over half-hour runs within the inputs' ranges, half of
-//! each
-//! loaded and half at rest. The greatest difference is selected, in standard deviations of the noise for outputs measured in the
-//! experiment,
-//! otherwise in hundredths of the output's greatest value.
+//! each loaded and half at rest. The greatest difference is selected, in standard deviations of the noise for outputs measured in the
+//! experiment, otherwise in hundredths of the output's greatest value.
 
 use crate::experiment::{CHANNELS, Channel};
 use crate::hypothesis::Hypothesis;

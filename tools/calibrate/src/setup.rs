@@ -16,12 +16,12 @@ use std::sync::{Arc, OnceLock};
 /// Relaxation of the integration tolerance for the many simulations of a search. Measured on the public sets: seven times faster, at most
 /// 0.03 mK error.
 pub const EASE: f64 = 100.0;
-/// Relative standard deviation of the prior above which a parameter counts as free; below it the prior limits the parameter.
+/// Relative standard deviation of a prior above which it limits the parameter, and from which (`HARDLY`) the parameter may be zero.
 pub const WIDE: f64 = 0.3;
 const HARDLY: f64 = 5.0;
-/// Limits of a positive parameter: standard deviations of its logarithm from the prior.
+/// These limits: standard deviations of the logarithm from the prior.
 const FAR: f64 = 10.0;
-/// Blocks of a run, for each output: residuals are averaged over this fraction of a run.
+/// Blocks of a run, for each output: residuals are averaged over this number of sections of a run.
 const BLOCKS: usize = 400;
 /// A parameter further than this from its prior, in standard deviations, compensates for another effect.
 const ASTRAY: f64 = 2.5;
@@ -80,8 +80,7 @@ pub struct Setup<'a> {
     /// The inputs of the runs as measured.
     pub drives: Arc<Vec<Drive>>,
     /// The inputs with their noise smoothed out; the model is linearised along these. Sensitivities with the same noise as the residual
-    /// would
-    /// produce spurious effects.
+    /// would produce spurious effects.
     pub smooth: Arc<Vec<Drive>>,
     /// The inputs used in simulations. Smoothed during the search: with noisy inputs, candidates that make the model less sensitive to the
     /// input would be preferred. As measured for reported results.
@@ -130,7 +129,8 @@ impl<'a> Setup<'a> {
             let prior = set.unwrap_or_else(|| bench.start_of(entry.slot));
             let deviation = p.deviation.of(prior, entry.row.nominal);
             let mut limits = (entry.row.min, entry.row.max);
-            // Lower limit of a positive parameter: ten standard deviations of its logarithm, below any plausible capacity of a motor.
+            // Limits of a parameter that cannot be zero: ten standard deviations of its logarithm; less is no plausible capacity of a
+            // motor.
             let relative = deviation / prior.abs();
             if prior > 0.0 && limits.0 > 0.0 && relative > WIDE && relative < HARDLY {
                 let factor = (1.0 + relative).powf(FAR);

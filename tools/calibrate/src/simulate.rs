@@ -1,8 +1,7 @@
 //! Simulation of a run: inputs as measured, outputs at the rows.
 //!
 //! Inputs are interpolated linearly between rows; a blank input is interpolated between its neighbours. The native model takes
-//! communication
-//! steps from row to row; its integrator uses substeps where needed.
+//! communication steps from row to row; its integrator uses substeps where needed.
 
 use crate::CalibrateError;
 use crate::deadline::Deadline;
@@ -186,8 +185,7 @@ impl Bench {
     }
 
     /// Simulates an initialised model along a run and calls `see` at every row. A model that reaches a limit of validity keeps its state
-    /// for the
-    /// remaining rows, so that a candidate with such parameters fails by its residuals; the reason is returned.
+    /// for the remaining rows, so that a candidate with such parameters fails by its residuals; the reason is returned.
     ///
     /// # Errors
     /// The message of the model if it cannot step.
@@ -244,10 +242,8 @@ impl Bench {
     }
 
     /// Initialises a model for a run. Nodes with known first readings get the initial temperatures for which their sensors indicate these
-    /// readings.
-    /// A sensor with an offset or a stem loss does not indicate its node's temperature, so each initial temperature is corrected
-    /// iteratively by the
-    /// deviation of its sensor. Returns the initial temperatures.
+    /// readings. A sensor with an offset or a stem loss does not indicate its node's temperature, so each initial temperature is corrected
+    /// iteratively by the deviation of its sensor. Returns the initial temperatures.
     fn start(&self, model: &mut dyn Model, drive: &Drive) -> Result<Vec<(Slot, f64)>, CalibrateError> {
         let mut known: Vec<(Node, f64)> =
             drive.warm.iter().map(|(node, _, reading)| (*node, *reading)).collect();
@@ -352,10 +348,8 @@ impl Drive {
     }
 
     /// Copy of the run with smoothed inputs (`noise`: standard deviations, in their order). Each reading is replaced by the mean of
-    /// neighbouring
-    /// readings that agree with it to within noise, so that steps are preserved. Where these means are constant they are averaged again
-    /// over a
-    /// longer window; otherwise noise would dominate at standstill.
+    /// neighbouring readings that agree with it to within noise, so that steps are preserved. Where these means are constant they are
+    /// averaged again over a longer window; otherwise noise would dominate at standstill.
     pub fn smoothed(&self, noise: &[f64]) -> Drive {
         let smooth = |(column, sigma): (&Vec<f64>, &f64)| -> Vec<f64> {
             let once = means_of_alike(column, REACH, ALIKE * sigma);
@@ -374,8 +368,7 @@ impl Drive {
 }
 
 /// Means over each value and its neighbours up to `reach` rows away, as long as these and all values between differ by less than `size`.
-/// The
-/// window is symmetric, so that a ramp is not shifted.
+/// The window is symmetric, so that a ramp is not shifted.
 fn means_of_alike(column: &[f64], reach: usize, size: f64) -> Vec<f64> {
     let mean = |row: usize| {
         let alike = |k: usize| (column[k] - column[row]).abs() <= size;

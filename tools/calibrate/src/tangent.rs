@@ -153,8 +153,8 @@ impl Tangent {
     }
 
     /// Variances of the outputs due to white noise on inputs, rows times outputs: due to the same row's reading, and in total. A current
-    /// follows
-    /// its voltage within a row and takes over its noise. Each direction is that of an input, with the standard deviation of its noise.
+    /// follows its voltage within a row and takes over its noise. Each direction is that of an input, with the standard deviation of its
+    /// noise.
     pub fn variance(&self, noises: &[(&Direction, f64)]) -> (Vec<f64>, Vec<f64>) {
         let (n, m, rows) = (self.states, self.outputs, self.drivers.len());
         let (mut direct, mut whole) = (vec![0.0; rows * m], vec![0.0; rows * m]);

@@ -6,12 +6,10 @@
 //! y readings of an output, p prediction of a fit, J its sensitivities to the declared parameters, delta limited by their priors,
 //! S(d) the mean square of e at its minimum over delta, n the number of independent readings: (2) is twice the logarithm of the likelihood
 //! ratio with unknown variance. For an input, its column is shifted and simulated. (1) is linearised about the fit of the data as they are
-//! and
-//! about the preset, since a fit can absorb a delay in a heat capacity. The best shifts are confirmed by a fit with the column shifted.
-//! The
-//! remaining mean square must be small, in the validation runs as well, and smaller than with a first-order lag of the same sensor: a
-//! sensor lag
-//! is not a clock error, and is searched for as an effect. A delay of all outputs together is an advance of the inputs.
+//! and about the preset, since a fit can absorb a delay in a heat capacity. The best shifts are confirmed by a fit with the column
+//! shifted. The remaining mean square must be small, in the validation runs as well, and smaller than with a first-order lag of the same
+//! sensor: a sensor lag is not a clock error, and is searched for as an effect. A delay of all outputs together is an advance of the
+//! inputs.
 //!
 //! *Sources*: (2) with unknown variance: Seber and Wild, Nonlinear Regression (1989), ch. 2.2; time delay as a parameter: Ljung, System
 //! Identification (2nd ed., 1999), ch. 10.
@@ -40,7 +38,7 @@ const ROWS: usize = 1500;
 const LEAST: f64 = 37.0;
 /// Ratio of the residual's mean square to that of the noise above which shifts are tried.
 const NOISY: f64 = 1.3;
-/// Ratio of successive shifts that are tried, for outputs and for inputs.
+/// Ratio of successive shifts that are tried, for outputs and for inputs; `FARTHEST` is the greatest shift as a fraction of a run.
 const RATIO: (f64, f64) = (1.25, 1.6);
 const FARTHEST: f64 = 0.2;
 /// Number of shifts that are confirmed by a fit.

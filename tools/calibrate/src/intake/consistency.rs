@@ -5,8 +5,7 @@
 //! q_k = |y - p| / max(|y|, |p|)                                                                    (1)
 //!
 //! (root mean squares without the tenth of the rows with the greatest deviations; p the preset's prediction). A temperature rise can be
-//! doubled
-//! by an effect that the model lacks; it is therefore compared by its shape, its start and its order of magnitude:
+//! doubled by an effect that the model lacks; it is therefore compared by its shape, its start and its order of magnitude:
 //!
 //! q_k^2 = 1 - r^2 + (|y_0 - p_0| / s)^2 + (|ln(s_y / s_p)| - ln 2.5)_+^2                            (2)
 //!
@@ -77,7 +76,7 @@ struct Judge<'a> {
     deadline: Deadline,
 }
 
-/// Predictions by run and output.
+/// Predictions by run, then by output.
 type Predicted = Vec<Vec<Vec<f64>>>;
 
 impl Judge<'_> {
@@ -241,8 +240,7 @@ pub fn contradiction(
 }
 
 /// The combination of mistakes that gives the best agreement with the model, if no parameter values within the priors explain the
-/// unchanged
-/// data nearly as well.
+/// unchanged data nearly as well.
 fn search(
     judge: &Judge,
     experiment: &Experiment,

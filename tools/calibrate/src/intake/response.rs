@@ -1,8 +1,8 @@
 //! Sensors that do not respond as they should: frozen, detached, open circuit at a plausible temperature, shorted, dead.
 //!
 //! The model of the preset gives the prediction p at every row; y is the reading and p0 the initial value of both (ambient temperature,
-//! otherwise
-//! 0). Parameter errors may scale the response, so that y - p0 may be a multiple or a fraction of p - p0, but it has to follow p:
+//! otherwise 0). Parameter errors may scale the response, so that y - p0 may be a multiple or a fraction of p - p0, but it has to follow
+//! p:
 //!
 //! level  (y - p0) / (b (p - p0)) within [`LEVEL`], or y within [`FAR`] of p0 + b (p - p0)             (1)
 //! slope  cov(y, b p) / var(b p) over a section in which p varies: at least [`SLOPE`]                  (2)
@@ -30,8 +30,7 @@ const LEAST_ROWS: usize = 30;
 /// Variation of a prediction required for a conclusion, in its standard deviations: from -2 to +2, the range of 95 % of the priors.
 const CERTAIN: f64 = 4.0;
 /// Unpredicted fraction of a jump above which it is attributed to the sensor: if the preset's heat capacity is within a factor of two of
-/// the
-/// motor's, the model predicts at least half of a step.
+/// the motor's, the model predicts at least half of a step.
 const UNPREDICTED: f64 = 0.5;
 /// Numbers of sections of a run to which (2) is applied.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
@@ -79,8 +78,7 @@ fn spread(values: &[f64]) -> f64 {
 }
 
 /// Sets aside sensors that do not respond, with notes: those that follow neither the preset's prediction nor that of the fitted
-/// parameters, by run
-/// and output. A current that is the small difference of two voltages cannot be predicted by a preset.
+/// parameters, by run and output. A current that is the small difference of two voltages cannot be predicted by a preset.
 pub fn set_aside(
     experiment: &mut Experiment,
     predicted: &[Vec<Vec<f64>>],
@@ -166,8 +164,7 @@ pub fn set_aside(
 }
 
 /// Extends the failed rows, with a margin, as long as the reading deviates from the prediction by more than usual. The extension ends at a
-/// jump,
-/// at which the sensor began or ceased to work.
+/// jump, at which the sensor began or ceased to work.
 fn widen(bad: &mut [bool], off: &[f64], usual: f64, jumps: &[usize]) {
     const MARGIN: usize = 5;
     let mut ends = vec![0];
@@ -247,8 +244,7 @@ impl Judge<'_> {
     }
 
     /// Sections between jumps that deviate far more from the prediction than the best one. If there is none, all but the longest section
-    /// between
-    /// jumps that the model does not predict: a sensor that has moved reads differently before and after.
+    /// between jumps that the model does not predict: a sensor that has moved reads differently before and after.
     fn jumped(&self) -> Vec<usize> {
         let jumps = super::signals::jumps(self.column);
         if jumps.is_empty() {

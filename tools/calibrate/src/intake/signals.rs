@@ -5,15 +5,13 @@
 //! z > sqrt(2 ln(n / alpha)),                                                                       (1)
 //!
 //! n the number of readings of the experiment and alpha the probability of one false alarm in the experiment (bound on the greatest of n
-//! normal
-//! variables). The standard deviation is the greater of the channel's noise and that of the neighbouring readings. A pulse in the same row
-//! as
-//! one of another channel is not a spike, nor is a pulse of an input that another channel follows, at a significance level of 1e-3.
+//! normal variables). The standard deviation is the greater of the channel's noise and that of the neighbouring readings. A pulse in the
+//! same row as one of another channel is not a spike, nor is a pulse of an input that another channel follows, at a significance level of
+//! 1e-3.
 //! *Sources*: Hampel, J. Am. Stat. Assoc. 69 (1974) 383-393; Davies and Gather, J. Am. Stat. Assoc. 88 (1993) 782-792.
 //!
 //! Jump: a temperature belongs to a heat capacity and is continuous. A change between rows far greater than the channel's usual changes is
-//! a
-//! contact failure of the sensor; on one side of it the readings are no temperature ([`super::response`] determines which).
+//! a contact failure of the sensor; on one side of it the readings are no temperature ([`super::response`] determines which).
 
 use crate::experiment::{Channel, Experiment, Table};
 use crate::noise;
@@ -213,8 +211,7 @@ impl Readings {
     }
 
     /// Rows of spikes greater than `least` standard deviations and twice the neighbouring changes, of which the greatest `1 - quantile`
-    /// are
-    /// ignored; the readings on both sides differ by at most the fraction `alike` of the spike.
+    /// are ignored; the readings on both sides differ by at most the fraction `alike` of the spike.
     pub(super) fn spikes(
         &self,
         is_temperature: bool,

@@ -247,8 +247,7 @@ fn an_ambient_sensor_that_the_motor_heats_is_unusable() {
 }
 
 /// No-load currents of a voltage drive are the small difference of two voltages: an error of 3 % in the torque constant changes the
-/// prediction by
-/// amperes. The priors include this, and the readings are used; without priors the sensor would be reported as dead.
+/// prediction by amperes. The priors include this, and the readings are used; without priors the sensor would be reported as dead.
 #[test]
 fn a_small_current_is_no_dead_sensor() {
     let outputs = ["current_A", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"];

@@ -2,8 +2,7 @@
 //!
 //! A node that the model lacks (magnets, bearing) follows the adjacent temperature or heat flow with a lag. Its time constant is profiled:
 //! for each time constant of a series, the linearised model gives the response to the lagged driver, and a law linear in it is scored. The
-//! fit
-//! by simulation then estimates all parameters, including the time constant.
+//! fit by simulation then estimates all parameters, including the time constant.
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
 use super::{Scored, choice, is_known, scale, scored};

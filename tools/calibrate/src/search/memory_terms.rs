@@ -85,8 +85,7 @@ pub(super) fn latent_inputs(point: &Linearization, port: Port, per_number: f64) 
 }
 
 /// Values of a driver at the rows of each run; for a temperature the readings, where there are any. A switch responds to the motor's true
-/// state,
-/// not to the prediction of a model without the switch.
+/// state, not to the prediction of a model without the switch.
 fn stood(point: &Linearization, driver: Driver) -> Vec<Vec<f64>> {
     let experiment = point.setup.experiment;
     let sensor = Channel::reading(driver).filter(|c| c.is_temperature());

@@ -4,9 +4,8 @@
 //! S S' = 1/N sum_pd C_pd K_d C_pd' n / tr(C_pd K_d C_pd')                                                 (2)
 //!
 //! C_pd are the responses of the linearised model to the knot values of a law. Each law is scaled to the same effect on the n block means,
-//! in units
-//! of their noise, so that q is the size of the structure error in these units; it is estimated (`evidence.rs`). (2) is a pivoted Cholesky
-//! decomposition, truncated where the remainder is below the least size of structure error that matters.
+//! in units of their noise, so that q is the size of the structure error in these units; it is estimated (`evidence.rs`). (2) is a pivoted
+//! Cholesky decomposition, truncated where the remainder is below the least size of structure error that matters.
 //! *Sources*: Kennedy, O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464; Alvarez, Luengo, Lawrence, IEEE Trans. Pattern Analysis 35 (2013)
 //! 2693-2705 (latent forces); Harbrecht, Peters, Schneider, Applied Numerical Mathematics 62 (2012) 428-440 (pivots).
 

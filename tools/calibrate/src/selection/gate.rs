@@ -12,8 +12,7 @@ use crate::setup::{Setup, Shown};
 const HELD_OUT: f64 = 0.25;
 /// Calibration accuracy of a sensor, in standard deviations of its noise.
 const CALIBRATED: f64 = 0.5;
-/// Greatest ratio of validation errors with and without a term: listed, unlisted. Required of terms that lower BIC by less than the
-/// second number.
+/// Greatest ratio of validation errors with and without a term: listed, unlisted. Required of terms that lower BIC by less than `WEAK`.
 const HARDLY: (f64, f64) = (0.995, 0.98);
 const WEAK: f64 = 100.0;
 /// Sizes in single runs that differ by less than this fraction are regarded as equal.

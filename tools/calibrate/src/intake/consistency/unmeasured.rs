@@ -3,11 +3,9 @@
 //! u <- u + (y - p(u)) / s,   s = dp/du                                                             (1)
 //!
 //! y the readings of an output with direct feedthrough from the input (voltage, torque, current, speed), p its prediction. Newton's method
-//! (1),
-//! applied to each row, gives the values of the input that this output implies. The other outputs decide whether they are correct: if the
-//! input really is constant, as with a locked shaft, their agreement deteriorates. If no other output depends on the input by more than
-//! the
-//! structure error, no conclusion is drawn.
+//! (1), applied to each row, gives the values of the input that this output implies. The other outputs decide whether they are correct: if
+//! the input really is constant, as with a locked shaft, their agreement deteriorates. If no other output depends on the input by more
+//! than the structure error, no conclusion is drawn.
 
 use super::{Changed, Judge, Mistake, Predicted, STRUCTURE, blanked, score};
 use crate::experiment::Experiment;
