@@ -52,8 +52,8 @@ def test_generator_and_fmu_are_the_same_motor(archives, monkeypatch, drive, unit
     inputs = {column: run.truth[column] for column in rig.layout.inputs}
     expected = simulate(drawn.specimen, effects, run.times, inputs, rig).outputs
     start = {"drive_mode": drive, "mechanical_mode": "free_shaft" if drive == "power" else "imposed_speed"}
-    # The generator has no inductance, and no load that its inputs do not name.
-    start |= {"cooling_mode": "conductance", "commutation": "equivalent_dc", "motor.L": 1e-6, "load_torque": 0.0} | rig.nominal | drawn.specimen
+    # The generator has no inductance.
+    start |= {"cooling_mode": "conductance", "commutation": "equivalent_dc", "motor.L": 1e-6} | rig.nominal | drawn.specimen
     for effect in effects:
         start |= {f"effect.{effect.law.id}.{symbol}": value for symbol, value in effect.parameters.items()}
     with archives[2].instance() as fmu:

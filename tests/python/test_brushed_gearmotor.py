@@ -118,7 +118,7 @@ def test_step_response(make, duty, load, decay):
 @pytest.mark.parametrize("duty", [0.3, 0.9])
 def test_the_switched_circuit_runs_up_as_the_average_does(make, duty, decay):
     """Every PWM period switched, at constant temperature; the average may differ by the change within one period."""
-    fmu = make({"drive.decay": decay, "motor.alpha": 0.0}, duty=duty, load_torque=0.0)
+    fmu = make({"drive.decay": decay, "motor.alpha": 0.0}, duty=duty)
     p, supply = parameters(fmu), fmu.get("supply_voltage")[0]
     r, k, inertia = p["motor_R_ref"], p["motor_k_t"] * p["gear_ratio"], p["motor_J"] * p["gear_ratio"] ** 2
     off = p["drive_freewheel_drop"] + (supply if decay == "fast" else 0.0)
@@ -157,7 +157,7 @@ def test_energy_balance_closes(make, duty):
 
 def test_works_are_the_sum_of_their_parts(make):
     """A quarter of an hour at full duty: the paper prints 1582.7 J, with the units kW and W."""
-    fmu = make(duty=1.0, load_torque=0.0)
+    fmu = make(duty=1.0)
     for _ in range(900):
         fmu.step(1.0)
     electrical, magnetic, mechanical, total = fmu.get(*WORKS)
@@ -174,7 +174,7 @@ def test_slopes_over_the_duty(make):
     """The paper's regression lines over 20 to 100 %: 91.62 mV and 1.04 mA per per cent, after a quarter of an hour."""
     rows = []
     for duty in PAPER_DUTY:
-        fmu = make(duty=duty, load_torque=0.0)
+        fmu = make(duty=duty)
         for _ in range(90):
             fmu.step(10.0)
         rows.append(fmu.get("voltage", "current"))

@@ -10,8 +10,8 @@ from fmpy import read_model_description, simulate_fmu
 
 # Smallest change from the start, in SI units.
 RESPONSES = {
-    "AnnulusCooledMotor": {"shaft_speed": 100.0, "current": 1.0, "winding_temperature": 5.0, "housing_temperature": 5.0},
-    "BrushedGearmotor": {"shaft_speed": 1.0, "current": 0.2, "winding_temperature": 3.0, "housing_temperature": 0.5},
+    "AnnulusCooledMotor": {"shaft_speed": 100.0, "current": 5.0},
+    "BrushedGearmotor": {"shaft_speed": 1.0, "current": 0.5},
     "SeriesElasticActuator": {"voltage": 5.0},
     "GaitLoad": {"joint_angle": 0.2, "joint_speed": 1.0, "torque_demand": 50.0},
 }
@@ -20,8 +20,8 @@ PRESETS = {
     "current, imposed speed": ('drive_mode = "current"\nmechanical_mode = "imposed_speed"\nvoltage = 12', "winding_temperature", 2.0),
     "current, free shaft": ('drive_mode = "current"', "shaft_speed", 50.0),
     "power, bare": ('drive_mode = "power"\ncooling_mode = "bare"', "winding_temperature", 2.0),
-    "pwm, water jacket": ('drive_mode = "pwm"\ncooling_mode = "water_jacket"', "winding_temperature", 2.0),
-    "fan in an annulus": ('cooling_mode = "annulus_pull"\n"motor.R_ref" = "5 Ohm"\n"motor.k_t" = "0.1 N.m/A"', "winding_temperature", 2.0),
+    "pwm, water jacket": ('drive_mode = "pwm"\ncooling_mode = "water_jacket"', "shaft_speed", 100.0),
+    "fan in an annulus": ('cooling_mode = "annulus_pull"\n"motor.R_ref" = "5 Ohm"\n"motor.k_t" = "0.1 N.m/A"', "shaft_speed", 50.0),
 }
 
 
@@ -37,6 +37,9 @@ def test_every_model_responds(model, fmi, kind):
     result = simulate_fmu(str(paths.archive(model, fmi)), fmi_type=kind)
     assert result["time"][-1] == pytest.approx(float(read_model_description(str(paths.archive(model, fmi))).defaultExperiment.stopTime))
     found = {name: change(result, name) for name in RESPONSES[model]}
+    # What loads or cools the machine is 0 until the importer sets it.
+    start = {v.name: v.start for v in read_model_description(str(paths.archive(model, fmi))).modelVariables}
+    assert all(float(start[name]) == 0.0 for name in ("load_torque", "fan_command", "coolant_flow_rate") if name in start)
     assert all(found[name] > least for name, least in RESPONSES[model].items()), found
     if "winding_margin" in result.dtype.names:
         assert result["winding_margin"].min() > 0.0

@@ -73,7 +73,7 @@ def test_model_exchange_starts_there(case):
 def test_the_command_line_sets_them_and_names_what_it_refuses(program):
     archive = paths.archive("AnnulusCooledMotor", 3)
     run = lambda *options: subprocess.run([program, "simulate", archive, *options], capture_output=True, text=True)
-    rest = ("--set", "voltage=0", "--set", "load_torque=0")
+    rest = ("--set", "voltage=0")
     done = run("--stop", "1", *rest, "--set", "initial.winding_temperature=350", "--set", "initial.housing_temperature=350")
     assert done.returncode == 0, done.stderr
     assert "winding_temperature                76." in done.stdout

@@ -159,7 +159,7 @@ def test_no_load_point(name, simulate):
     printed, of = PRINTED[name], lambda key: value(name, key)
     # Twenty times the mechanical time constant J R/k_t^2 and the electrical one L/R: the winding is still cold.
     settled = 20 * (of("motor.J") * of("motor.R_ref") / of("motor.k_t") ** 2 + of("motor.L") / of("motor.R_ref"))
-    sets = {"load_torque": 0, **({"duty": 1} if of("gear.ratio") else {"voltage": printed["nominal_voltage_V"]})}
+    sets = {"duty": 1} if of("gear.ratio") else {"voltage": printed["nominal_voltage_V"]}
     final = simulate(name, settled, **sets)[-1]
     check(name, "no_load_speed", final["shaft_speed"] / RPM, printed["no_load_speed_rpm"])
     if "no_load_current_mA" in printed:

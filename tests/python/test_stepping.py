@@ -96,7 +96,7 @@ def test_duty_times_supply_is_the_voltage(make):
 
 
 def test_power_drive_heats_without_torque(make):
-    fmu = make(drive_mode="power", electrical_power=10.0, load_torque=0.0)
+    fmu = make(drive_mode="power", electrical_power=10.0)
     run(fmu, 10, 1.0)
     current, speed, winding, housing = fmu.get("current", "shaft_speed", "winding_temperature", "housing_temperature")
     assert (current, speed) == (0.0, 0.0)

@@ -1,9 +1,10 @@
 //! The default experiment of an archive: start values of the inputs that act in the modes of its start values, stop time and step.
 //!
-//! A motor runs under a constant load. The current `I` follows from the archive's own thermal network: after three hours the winding has used
-//! half of its margin to `thermal.T_w_max`. Voltage, load torque and imposed speed belong to this current: the resistive drop `R I` is a tenth
-//! of the voltage, the load torque is `k_t I`. All values are rounded to two digits. An actuator gets a torque demand of a tenth of the torque
-//! at its current limit. `GaitLoad` needs no input.
+//! Only the command of the drive gets a start value: what loads or cools the machine stays 0 until the importer sets it, as every
+//! unconnected input. A motor at a voltage runs up, a motor at an imposed speed or at a given heat warms up, an imposed current accelerates a
+//! free shaft. The current `I` follows from the archive's own thermal network: after three hours under the load `k_t I` the winding has
+//! used half of its margin to `thermal.T_w_max`. The resistive drop `R I` is a tenth of the voltage. All values are rounded to two digits. An
+//! actuator gets a torque demand of a tenth of the torque at its current limit. `GaitLoad` needs no input.
 //!
 //! A preset that gives a start value of any of these inputs chooses the operating point itself: then nothing is added.
 
@@ -20,12 +21,17 @@ const DUTY: f64 = 0.5;
 const USED: f64 = 0.5;
 /// Time after which this fraction is reached, s, and number of steps until then.
 const WARM: (f64, u32) = (3.0 * 3600.0, 180);
+/// Time of a run-up in time constants, electrical and mechanical.
+const RUN_UP: f64 = 20.0;
 /// Halvings of the current between the limit for a perfectly cooled housing and none.
 const HALVINGS: u32 = 40;
 /// Bisections after that.
 const BISECTIONS: u32 = 8;
 /// Torque demand of an actuator over the torque at its current limit.
 const DEMAND: f64 = 0.1;
+
+/// The input that loads a free shaft.
+const LOAD: &str = "load_torque";
 
 /// Start values of inputs by name.
 type Inputs = Vec<(&'static str, f64)>;
@@ -50,7 +56,7 @@ type Plan = fn(&Bare<'_>) -> Option<Planned>;
 /// A line for each model.
 const OWN: &[(&str, Plan)] = &[
     ("AnnulusCooledMotor", motor),
-    ("BrushedGearmotor", |bare| bare.warming(gearmotor)),
+    ("BrushedGearmotor", |bare| bare.run_up(vec![("duty", 1.0)])),
     ("SeriesElasticActuator", |bare| {
         Some(Planned { inputs: actuator(bare)?, experiment: Experiment::default() })
     }),
@@ -87,15 +93,20 @@ pub fn of(
     (starts, given.unwrap_or(experiment))
 }
 
-/// A motor under load. A current that is imposed on a free shaft has no operating point: then the experiment is the acceleration to
-/// the speed that it would have under load.
+/// A motor. On a free shaft there is no load: a voltage makes it run up, a current accelerates it to the speed that the
+/// motor would have under load.
 fn motor(bare: &Bare<'_>) -> Option<Planned> {
-    let imposed = bare.entry("mechanical_mode")?;
-    if bare.item("drive_mode")? != "current" || bare.item("mechanical_mode")? != "free_shaft" {
+    let (drive, shaft) = (bare.item("drive_mode")?, bare.entry("mechanical_mode")?);
+    if bare.item("mechanical_mode")? != "free_shaft" || drive == "power" {
         return bare.warming(loaded);
     }
+    if drive != "current" {
+        let mut inputs = bare.warm(loaded)?;
+        inputs.retain(|(name, _)| *name != LOAD);
+        return bare.run_up(inputs);
+    }
     let mut starts = bare.starts.clone();
-    starts.set(imposed, bare.number(imposed, "imposed_speed")?);
+    starts.set(shaft, bare.number(shaft, "imposed_speed")?);
     let mut inputs = Bare { starts: &starts, ..*bare }.warm(loaded)?;
     let value = |name: &str| inputs.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
     let acceleration = bare.value("motor.k_t")? * value("current_command")? / bare.value("motor.J")?;
@@ -122,21 +133,9 @@ fn loaded(bare: &Bare<'_>, current: f64) -> Option<Inputs> {
             // The difference of two voltages: two digits would be too few.
             inputs.push(("imposed_speed", digits((voltage - r * current) / k_t, 4)));
         }
-        _ => inputs.push(("load_torque", rounded(k_t * current))),
-    }
-    match bare.item("cooling_mode")? {
-        "fan_crossflow" | "annulus_push" | "annulus_pull" => inputs.push(("fan_command", 1.0)),
-        "water_jacket" => inputs.push(("coolant_flow_rate", bare.entry("coolant_flow_rate")?.row.nominal)),
-        _ => {}
+        _ => inputs.push((LOAD, rounded(k_t * current))),
     }
     Some(inputs)
-}
-
-/// The inputs of a gearmotor at a current, A.
-fn gearmotor(bare: &Bare<'_>, current: f64) -> Option<Inputs> {
-    let torque =
-        bare.value("motor.k_t")? * bare.value("gear.ratio")? * bare.value("gear.efficiency")? * current;
-    Some(vec![("duty", 1.0), ("load_torque", rounded(torque))])
 }
 
 /// The inputs of an actuator.
@@ -214,6 +213,15 @@ impl Bare<'_> {
         Some(Planned { inputs, experiment: Experiment { stop, step: stop / STEPS } })
     }
 
+    /// A motor that starts without load: 20 time constants, so that the current has fallen to nothing.
+    fn run_up(&self, inputs: Inputs) -> Option<Planned> {
+        let [r, l, k_t, j] = ["motor.R_ref", "motor.L", "motor.k_t", "motor.J"].map(|name| self.value(name));
+        let (r, k_t) = (r?, k_t?);
+        let Experiment { stop: least, step } = Experiment::default();
+        let stop = rounded(RUN_UP * (l? / r + r * j? / (k_t * k_t))).max(least);
+        Some(Planned { inputs, experiment: Experiment { stop, step } })
+    }
+
     /// The model at its start.
     fn started(&self, inputs: &Inputs) -> Option<Box<dyn Model>> {
         let mut model = usage::with_starts(self.kind, self.starts, self.resources);
@@ -287,9 +295,9 @@ mod tests {
     #[test]
     fn every_model_responds() {
         for (name, output, least) in [
-            ("AnnulusCooledMotor", "winding_temperature", 2.0),
+            ("AnnulusCooledMotor", "current", 5.0),
             ("AnnulusCooledMotor", "shaft_speed", 100.0),
-            ("BrushedGearmotor", "winding_temperature", 2.0),
+            ("BrushedGearmotor", "current", 0.5),
             ("BrushedGearmotor", "shaft_speed", 1.0),
             ("SeriesElasticActuator", "voltage", 5.0),
             ("GaitLoad", "joint_angle", 0.1),
@@ -301,8 +309,8 @@ mod tests {
         }
     }
 
-    /// Every built-in preset of a motor in every combination of drive, shaft and cooling: the winding warms in the first run, and keeps
-    /// a part of its margin in three hours; an imposed current accelerates a free shaft.
+    /// Every built-in preset of a motor in several drives, shafts and coolings: a voltage and a current turn a free shaft; else the winding
+    /// warms in the first run and keeps a part of its margin in three hours. What loads and what cools stays 0.
     #[test]
     fn every_preset_responds_in_every_mode() {
         let motor = models::by_name("AnnulusCooledMotor").unwrap();
@@ -322,9 +330,17 @@ mod tests {
             for (k, bare) in all.into_iter().enumerate() {
                 let (starts, experiment) = planned(kind, &bare);
                 let what = format!("{} in mode {k}: {:?}, {experiment:?}", preset.name, starts.entries());
-                if k == 5 {
-                    let [first, farthest] = run(motor, &starts, experiment, "shaft_speed");
-                    assert!(farthest - first > 10.0, "{what} {farthest}");
+                for name in ["load_torque", "fan_command", "coolant_flow_rate"] {
+                    let entry = (kind.declaration)().by_name(name);
+                    assert!(entry.is_none_or(|entry| starts.of(entry) == bare.of(entry)), "{name}: {what}");
+                }
+                let bare = Bare { kind, starts: &starts, resources: &Resources::default() };
+                let turns = preset.model == "BrushedGearmotor"
+                    || bare.item("mechanical_mode") == Some("free_shaft")
+                        && bare.item("drive_mode") != Some("power");
+                if turns {
+                    let [first, farthest] = run(kind, &starts, experiment, "shaft_speed");
+                    assert!(farthest - first > 1.0, "{what} {farthest}");
                     continue;
                 }
                 let [first, farthest] = run(kind, &starts, experiment, "winding_temperature");
