@@ -176,9 +176,14 @@ fn held_torque(native: &Native<'_>) -> Option<Captioned> {
     with_limit(figure, &mut at("bare", current)?)
 }
 
-/// Torque over speed at the nominal voltage, cold and at the winding's limit.
+/// Torque over speed at the voltage of the archive's default experiment, cold and at the winding's limit. An archive whose drive needs
+/// no voltage has the nominal value.
 fn torque_and_speed(native: &Native<'_>) -> Option<Captioned> {
-    let voltage = native.entry("voltage")?.row.nominal;
+    let entry = native.entry("voltage")?;
+    let (voltage, what) = match native.starts.of(entry) {
+        0.0 => (entry.row.nominal, "the nominal value of the input"),
+        start => (start, "the start value of the input"),
+    };
     let limit = native.starts.of(native.entry("thermal.T_w_max")?);
     let torque = |ambient: f64, speed: f64| {
         let values = [
@@ -204,7 +209,7 @@ fn torque_and_speed(native: &Native<'_>) -> Option<Captioned> {
     let line = |ambient: f64| (format!("all nodes at {:.0} °C", celsius(ambient)), points(ambient));
     let lines = [cold, limit].map(line).to_vec();
     let caption = format!(
-        "Voltage drive at {voltage} V, the nominal value of the input; imposed speed. A hot winding has more resistance, hot \
+        "Voltage drive at {voltage} V, {what}; imposed speed. A hot winding has more resistance, hot \
          magnets less torque per ampere."
     );
     figure("Speed and torque", "shaft torque in N·m", "shaft speed in rad/s", lines, caption)
