@@ -44,19 +44,27 @@ fn convection_grows_with_the_speed() {
     }
 }
 
-/// With a network of nodes the housing is cooler at speed, and as warm as without the effect at standstill.
+/// With a network of nodes the housing is cooler at speed. At standstill the effect changes no heat flow at the same temperatures, and the
+/// housing is as warm as without it within the error of the linearised cooling, 4e-6 (docs/architecture.md): a rounding error can move the
+/// temperatures at which the cooling is linearised.
 #[test]
 fn convection_cools_a_network_as_well() {
-    let rise = |speed: f64, conductance: f64| {
+    let settled = |speed: f64, conductance: f64| {
         let mut m = two_nodes(DriveMode::Current, speed);
         m.parameters.choices.cooling_mode = CoolingMode::Bare;
         m.inputs.heat_power = 6.0;
         set(&mut m, "effect.speed_convection.G", conductance);
         settle(&mut m);
-        get(&mut m, "housing_temperature") - 298.15
+        m
     };
+    let rise =
+        |speed: f64, conductance: f64| get(&mut settled(speed, conductance), "housing_temperature") - 298.15;
+    let mut m = settled(0.0, 0.05);
+    let with = get(&mut m, "heat_to_ambient");
+    set(&mut m, "effect.speed_convection.G", 0.0);
+    assert!((get(&mut m, "heat_to_ambient") / with - 1.0).abs() < 1e-12, "{with} W");
     let [still, moving, without] = [rise(0.0, 0.05), rise(100.0, 0.05), rise(100.0, 0.0)];
-    assert!((still / rise(0.0, 0.0) - 1.0).abs() < 1e-9, "{still} K");
+    assert!((still / rise(0.0, 0.0) - 1.0).abs() < 4e-6, "{still} K");
     assert!(moving < 0.9 * without, "{moving} and {without} K");
 }
 

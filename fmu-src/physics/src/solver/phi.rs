@@ -26,8 +26,8 @@ use std::ops::{Add, Mul};
 #[inline(always)]
 pub fn product<const N: usize>(m: &SMatrix<f64, N, N>, x: &SVector<f64, N>) -> SVector<f64, N> {
     let (columns, x) = (&m.data.0, &x.data.0[0]);
-    let mut y = [0.0; N];
-    for j in 0..N {
+    let mut y = columns[0].map(|number| number * x[0]);
+    for j in 1..N {
         for i in 0..N {
             y[i] += columns[j][i] * x[j];
         }
@@ -68,12 +68,17 @@ pub struct Phi<const N: usize> {
     a: SMatrix<f64, N, N>,
     h: f64,
     full: [SMatrix<f64, N, N>; KEPT],
-    half: [SMatrix<f64, N, N>; HALF],
-    /// The four matrices of eq. (4).
+    /// The matrices of eq. (2) at half the step, for x0, n_0, n_1, n_2.
+    middle: [SMatrix<f64, N, N>; 4],
+    /// Those of eq. (2) for the derivative at the start, n_1, n_2.
+    end: [SMatrix<f64, N, N>; 3],
+    /// Those of eq. (3) for n_0, n_1, n_2.
+    integral: [SMatrix<f64, N, N>; 3],
+    /// Those of eq. (4) for x0, n_0, n_1, n_2.
     moment: [SMatrix<f64, N, N>; 4],
-    /// 2 phi_3 - phi_2: weight of the difference of a parabola to a straight line.
+    /// h (2 phi_3 - phi_2): weight of the difference of a parabola to a straight line.
     curvature: SMatrix<f64, N, N>,
-    /// 4 phi_3 - phi_2: weight of the last of the three values of a parabola.
+    /// h (4 phi_3 - phi_2): weight of the last of the three values of a parabola.
     last: SMatrix<f64, N, N>,
 }
 
@@ -188,14 +193,22 @@ impl<const N: usize> Phi<N> {
         phi: [SMatrix<f64, N, N>; KEPT],
         half: [SMatrix<f64, N, N>; HALF],
     ) -> Self {
+        let square = h * h;
         Phi {
             a,
             h,
             full: phi,
-            half,
-            moment: [phi[1] - phi[2], phi[2] - phi[3], phi[3] - phi[4], (phi[4] - phi[5]) * 2.0],
-            curvature: phi[3] * 2.0 - phi[2],
-            last: phi[3] * 4.0 - phi[2],
+            middle: [half[0], half[1] * (0.5 * h), half[2] * (0.25 * h), half[3] * (0.25 * h)],
+            end: [phi[1] * h, phi[2] * h, phi[3] * (2.0 * h)],
+            integral: [phi[2] * square, phi[3] * square, phi[4] * (2.0 * square)],
+            moment: [
+                (phi[1] - phi[2]) * square,
+                (phi[2] - phi[3]) * (square * h),
+                (phi[3] - phi[4]) * (square * h),
+                (phi[4] - phi[5]) * (2.0 * square * h),
+            ],
+            curvature: (phi[3] * 2.0 - phi[2]) * h,
+            last: (phi[3] * 4.0 - phi[2]) * h,
         }
     }
 
@@ -217,58 +230,51 @@ impl<const N: usize> Phi<N> {
     /// x(h/2) for a constant forcing `n`, eq. (2) at half the step.
     #[inline]
     pub fn half(&self, x: &SVector<f64, N>, n: &SVector<f64, N>) -> SVector<f64, N> {
-        product(&self.half[0], x) + product(&self.half[1], n) * (0.5 * self.h)
+        product(&self.middle[0], x) + product(&self.middle[1], n)
     }
 
     /// x(h/2) for a quadratic forcing over the whole step, eq. (2) at half the step.
     #[inline]
     pub fn middle(&self, x: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
-        let f = &self.half;
-        let rest = product(&f[2], &n.n1) + product(&f[3], &n.n2);
-        product(&f[0], x) + (product(&f[1], &n.n0) + rest * 0.5) * (0.5 * self.h)
+        product(&self.middle[0], x) + n.weighted(&self.middle[1..])
     }
 
     /// x(h) for a constant forcing `n`, eq. (2).
     #[inline]
     pub fn constant(&self, x: &SVector<f64, N>, n: &SVector<f64, N>) -> SVector<f64, N> {
-        product(&self.full[0], x) + product(&self.full[1], n) * self.h
+        product(&self.full[0], x) + product(&self.end[0], n)
     }
 
     /// x(h) for a quadratic forcing, eq. (2), as x0 plus the change: phi_0 = 1 + h A phi_1, so that an equilibrium
     /// is preserved to the last bit. `rate` is A x0 + n0, the derivative at the start.
     #[inline]
     pub fn end(&self, x: &SVector<f64, N>, rate: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
-        let f = &self.full;
-        x + (product(&f[1], rate) + product(&f[2], &n.n1) + product(&f[3], &n.n2) * 2.0) * self.h
+        x + Forcing { n0: *rate, ..*n }.weighted(&self.end)
     }
 
     /// int x dt over the step, eq. (3).
     #[inline]
     pub fn integral(&self, x: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
-        let f = &self.full;
-        let forced = product(&f[2], &n.n0) + product(&f[3], &n.n1) + product(&f[4], &n.n2) * 2.0;
-        (product(&f[1], x) + forced * self.h) * self.h
+        product(&self.end[0], x) + n.weighted(&self.integral)
     }
 
     /// int t x dt over the step, with t from the step's start, eq. (4).
     #[inline]
     pub fn moment(&self, x: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
-        let m = &self.moment;
-        let forced = product(&m[1], &n.n0) + product(&m[2], &n.n1) + product(&m[3], &n.n2);
-        (product(&m[0], x) + forced * self.h) * (self.h * self.h)
+        product(&self.moment[0], x) + n.weighted(&self.moment[1..])
     }
 
     /// Difference between the solutions with linear and with quadratic forcing: the error of the
     /// next lower order.
     #[inline]
     pub fn curvature_error(&self, n: &Forcing<N>) -> SVector<f64, N> {
-        product(&self.curvature, &n.n2) * self.h
+        product(&self.curvature, &n.n2)
     }
 
     /// Change of x(h) if the quadratic forcing at the end of the step increases by `late`.
     #[inline]
     pub fn last_stage_error(&self, late: &SVector<f64, N>) -> SVector<f64, N> {
-        product(&self.last, late) * self.h
+        product(&self.last, late)
     }
 }
 
@@ -286,6 +292,12 @@ impl<const N: usize> Forcing<N> {
     #[inline]
     pub fn through(start: SVector<f64, N>, middle: SVector<f64, N>, end: SVector<f64, N>) -> Self {
         Forcing { n0: start, n1: middle * 4.0 - start * 3.0 - end, n2: (start + end) * 2.0 - middle * 4.0 }
+    }
+
+    /// The sum of the coefficients, each times its matrix.
+    #[inline(always)]
+    pub(super) fn weighted(&self, matrices: &[SMatrix<f64, N, N>]) -> SVector<f64, N> {
+        product(&matrices[0], &self.n0) + product(&matrices[1], &self.n1) + product(&matrices[2], &self.n2)
     }
 }
 

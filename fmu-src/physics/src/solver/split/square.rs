@@ -28,7 +28,8 @@ pub(super) struct Squares(Option<Form>);
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Form {
     s: Matrix2<f64>,
-    /// phi_j - 2 phi_{j+1} + 2 phi_{j+2}, j = 1 ... 4: replaces phi_j in the integral of t^2 x.
+    /// The matrices of the integral of s^2 x for x0, n_0, n_1, n_2: phi_j - 2 phi_{j+1} + 2 phi_{j+2}, j = 1 ... 4, in the place
+    /// of phi_j.
     second: [Matrix2<f64>; 4],
     /// 2 S_11 a_12 where the speed is imposed, else 0.
     coupled: f64,
@@ -37,11 +38,11 @@ struct Form {
 impl Squares {
     /// For the block with these phi functions.
     pub fn of(fast: &Phi<2>) -> Squares {
-        let (a, phi) = (fast.matrix(), fast.functions());
+        let (a, phi, h) = (fast.matrix(), fast.functions(), fast.step());
         let of = |j: usize| phi[j] - phi[j + 1] * 2.0 + phi[j + 2] * 2.0;
         Squares(lyapunov(a).map(|s| Form {
             s,
-            second: [of(1), of(2), of(3), of(4)],
+            second: [of(1) * h, of(2) * (h * h), of(3) * (h * h), of(4) * (2.0 * h * h)],
             coupled: if is_imposed(a) { 2.0 * s[(0, 0)] * a[(0, 1)] } else { 0.0 },
         }))
     }
@@ -56,9 +57,7 @@ impl Squares {
             return (simpson, (simpson - 0.5 * h * (start + end)).abs());
         };
         // int s^k x dt.
-        let forced =
-            product(&second[1], &n.n0) + product(&second[2], &n.n1) + product(&second[3], &n.n2) * 2.0;
-        let seconds = (product(&second[0], &x[0]) + forced * h) * h;
+        let seconds = product(&second[0], &x[0]) + n.weighted(&second[1..]);
         let moment = moment / h;
         let of = |a: &Fast, b: &Fast| {
             s[(0, 0)] * a[0] * b[0] + s[(0, 1)] * (a[0] * b[1] + a[1] * b[0]) + s[(1, 1)] * a[1] * b[1]
