@@ -162,6 +162,12 @@ macro_rules! define {
                 Acts(self.0 & !(1 << port as u32))
             }
 
+            /// This port alone, if any effect acts there.
+            #[inline(always)]
+            pub fn only(self, port: Port) -> Acts {
+                Acts(self.0 & 1 << port as u32)
+            }
+
             /// Whether any effect acts at this port.
             #[inline(always)]
             pub fn at(self, port: Port) -> bool {

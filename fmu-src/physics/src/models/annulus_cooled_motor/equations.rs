@@ -50,9 +50,10 @@ pub type Temperatures = SVector<f64, NODES>;
 /// Number of states of [`Step::rates`]: current, speed, angle, T_w, T_h, and the three energies.
 pub const STATES: usize = 3 + NODES + 3;
 
-/// The equations over one step with linear inputs. Times are seconds from the start of the step.
+/// The equations over one step with linear inputs. Times are seconds from the start of the step. `PLAIN` equations are those of
+/// [`Constants::are_plain`], without the branches of the others.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<'a> {
+pub struct Step<'a, const PLAIN: bool = false> {
     model: &'a Parameters,
     inputs: &'a Inputs,
     slopes: &'a Inputs,
@@ -143,12 +144,25 @@ pub struct Point {
 impl<'a> Step<'a> {
     /// The equations of a motor with inputs that are linear from `time` on; `conductance` is that at the fan command,
     /// [`Parameters::to_ambient`]. They hold until the next event of the effects.
-    #[inline(always)]
     pub fn new(
         model: &'a Parameters,
         constants: &'a Constants,
         inputs: &'a Inputs,
         slopes: &'a Inputs,
+        conductance: PerNode,
+        time: f64,
+    ) -> Self {
+        Step::of(model, constants, [inputs, slopes], conductance, time)
+    }
+}
+
+impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
+    /// The equations of [`new`](Step::new); `PLAIN` only if they are.
+    #[inline(always)]
+    pub(super) fn of(
+        model: &'a Parameters,
+        constants: &'a Constants,
+        [inputs, slopes]: [&'a Inputs; 2],
         conductance: PerNode,
         time: f64,
     ) -> Self {
@@ -161,7 +175,8 @@ impl<'a> Step<'a> {
             }
             DriveMode::Current | DriveMode::Power => none,
         };
-        let voltage_bend = if model.choices.drive_mode == DriveMode::Pwm { s.duty * s.voltage } else { 0.0 };
+        let bends = !PLAIN && model.choices.drive_mode == DriveMode::Pwm;
+        let voltage_bend = if bends { s.duty * s.voltage } else { 0.0 };
         let current = match model.choices.drive_mode {
             DriveMode::Current => Line { start: u.current_command, slope: s.current_command },
             _ => none,
@@ -199,7 +214,7 @@ impl<'a> Step<'a> {
             },
             strength: constants.torque_factor * model.effects.torque_constant(time),
             excess: 0.0,
-            chopper: Chopper::new(model, constants.chops, inputs, slopes),
+            chopper: Chopper::new(model, !PLAIN && constants.chops, inputs, slopes),
             conductance,
             coupling: ThermalCoupling::default(),
         }
@@ -260,7 +275,8 @@ impl<'a> Step<'a> {
 
     #[inline]
     fn ports(&self) -> Ports<'_> {
-        Ports { effects: &self.model.effects, acts: self.constants.acts }
+        let acts = self.constants.acts;
+        Ports { effects: &self.model.effects, acts: if PLAIN { acts.only(Port::DragTorque) } else { acts } }
     }
 
     /// Drag torque, N.m; `k` is the torque constant.
@@ -268,7 +284,9 @@ impl<'a> Step<'a> {
     fn drag(&self, t: f64, x: &Fast, k: f64) -> f64 {
         let effects = self.ports();
         let own = effects.drag_torque(x[1]);
-        if self.is_free() {
+        if PLAIN {
+            own
+        } else if self.is_free() {
             let load = self.load.at(t);
             own + effects.load_drag(x[1], load) * load
         } else {
@@ -281,7 +299,7 @@ impl<'a> Step<'a> {
 
     #[inline(always)]
     fn conductance_at(&self, t: f64) -> PerNode {
-        if self.slopes.fan_command == 0.0 || self.constants.has_network {
+        if PLAIN || self.slopes.fan_command == 0.0 || self.constants.has_network {
             self.conductance
         } else {
             self.model.to_ambient(self.inputs.fan_command + self.slopes.fan_command * t)
@@ -327,7 +345,7 @@ impl<'a> Step<'a> {
     /// Torque of a load whose power is part of the input electrical_power, N.m.
     #[inline(always)]
     fn power_mode_torque(&self, w: f64) -> f64 {
-        if self.constants.acts.at(Port::PowerModeLoad) { self.ports().power_mode_torque(w) } else { 0.0 }
+        self.ports().power_mode_torque(w)
     }
 
     /// Heat flow into the winding that no current causes, at the speed `w`, W.

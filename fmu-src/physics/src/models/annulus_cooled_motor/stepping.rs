@@ -50,8 +50,10 @@ impl AnnulusCooledMotor {
         let lagging = (effects.acts_at(Port::Any) && effects.has_lags()).then(|| self.lag_sources());
         if self.own.network.is_some() {
             self.advance_in_pieces(time, h)?;
+        } else if self.own.constants.are_plain(&self.slopes) {
+            self.advance_two_nodes::<true>(time, h)?;
         } else {
-            self.advance_two_nodes(time, h)?;
+            self.advance_two_nodes::<false>(time, h)?;
         }
         // The following is evaluated at the end of the step, where the inputs have their final values.
         self.slopes = Inputs::zero();
@@ -62,18 +64,12 @@ impl AnnulusCooledMotor {
         Ok(())
     }
 
-    fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+    fn advance_two_nodes<const PLAIN: bool>(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         self.follow_cooling();
         let excess = self.mean_excess(h);
-        let step = Step::new(
-            &self.parameters,
-            &self.own.constants,
-            &self.inputs,
-            &self.slopes,
-            self.own.fan.1,
-            time,
-        )
-        .with_excess(excess);
+        let inputs = [&self.inputs, &self.slopes];
+        let step = Step::<PLAIN>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time)
+            .with_excess(excess);
         let before = self.own.state;
         self.own
             .split
@@ -151,6 +147,14 @@ impl AnnulusCooledMotor {
 
     /// One substep. `Ok(Err(h))` if it must be shortened to `h` seconds; the state is then unchanged.
     fn substep(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
+        match self.own.constants.are_plain(&self.slopes) {
+            true => self.substep_of::<true>(time, h),
+            false => self.substep_of::<false>(time, h),
+        }
+    }
+
+    /// The same with the plain equations or all of them.
+    fn substep_of<const PLAIN: bool>(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
         let ambient = self.ambient(time);
         let still = !self.is_sloping();
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
@@ -166,7 +170,7 @@ impl AnnulusCooledMotor {
         let fan_conductance = fan_conductance(p, middle.fan_command);
         let start = coupling(network, fan_conductance, ambient, None);
         let none = PerNode::default();
-        let step = Step::new(p, constants, &self.inputs, &self.slopes, none, time)
+        let step = Step::<PLAIN>::of(p, constants, [&self.inputs, &self.slopes], none, time)
             .with_excess(excess)
             .with_coupling(start);
         let friction = step.drag_beyond(&state.x, &state.temperature);
@@ -300,7 +304,13 @@ impl AnnulusCooledMotor {
 impl Phases {
     /// The phases after the first `h` seconds of a step between two states.
     #[inline]
-    fn over(&self, step: &Step, [from, to]: [&State<NODES>; 2], h: f64, parameters: &Parameters) -> Phases {
+    fn over<const PLAIN: bool>(
+        &self,
+        step: &Step<PLAIN>,
+        [from, to]: [&State<NODES>; 2],
+        h: f64,
+        parameters: &Parameters,
+    ) -> Phases {
         let commutation = parameters.choices.commutation;
         if commutation == Commutation::EquivalentDc {
             return *self;

@@ -1,11 +1,22 @@
 //! Quantities that follow from the parameters alone.
 
 use super::drive::Chopper;
-use super::{DriveMode, MechanicalMode, Temperatures};
+use super::{DriveMode, Inputs, MechanicalMode, Temperatures};
 use crate::components::validity::Limits;
 use crate::effects::{Acts, Port};
 use crate::models::annulus_cooled_motor::network::Body;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
+
+/// Ports, besides the drag torque, that are evaluated at every stage of a step.
+const BRANCHES: [Port; 7] = [
+    Port::LoadDrag,
+    Port::TerminalVoltage,
+    Port::WindingResistance,
+    Port::HousingHeat,
+    Port::WindingHousingResistance,
+    Port::HousingToAmbient,
+    Port::PowerModeLoad,
+];
 
 /// Constants of the parameters, computed once and not in every step.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +49,8 @@ pub struct Constants {
     pub(super) iron_in_core: bool,
     /// Ports at which effects act.
     pub(super) acts: Acts,
+    /// Whether no effect except a drag torque acts within a step.
+    plain: bool,
     /// Limits of validity.
     pub(super) limits: Limits,
 }
@@ -57,6 +70,7 @@ impl Constants {
         let acts = if is_loaded { acts } else { acts.without(Port::PowerModeLoad) };
         // With a network, the network computes radiation.
         let acts = if body.is_none() { acts } else { acts.without(Port::HousingToAmbient) };
+        let chops = Chopper::acts(parameters);
         Constants {
             inverse_l: if voltage_driven { 1.0 / parameters.motor.L } else { 0.0 },
             inverse_j: if free { 1.0 / parameters.motor.J } else { 0.0 },
@@ -68,10 +82,11 @@ impl Constants {
             in_stator: (1.0 - lost) * parameters.effects.stator_loss(),
             eventful: parameters.effects.next_event(f64::NEG_INFINITY).is_finite(),
             torque_factor: parameters.choices.commutation.torque_factor(),
-            chops: Chopper::acts(parameters),
+            chops,
             has_network: body.is_some(),
             iron_in_core: body.as_ref().is_some_and(|b| b.iron_in_stator),
             acts,
+            plain: !(chops || BRANCHES.iter().any(|port| acts.at(*port))),
             limits: parameters.limits(),
         }
     }
@@ -92,6 +107,13 @@ impl Constants {
     #[inline]
     pub(in super::super) fn limits(&self) -> &Limits {
         &self.limits
+    }
+
+    /// Whether a step with these input derivatives is [`Step`]'s `PLAIN` case: drag torques are the only effects within it, the drive
+    /// is ideal, the fan command is constant and the source voltage linear.
+    #[inline]
+    pub(in super::super) fn are_plain(&self, slopes: &Inputs) -> bool {
+        self.plain && slopes.fan_command == 0.0 && slopes.duty * slopes.voltage == 0.0
     }
 
     /// Drift of the true ambient temperature from the indicated one, K/s.

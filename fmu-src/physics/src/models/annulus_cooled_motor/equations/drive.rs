@@ -84,7 +84,7 @@ impl Chopper {
 }
 
 /// The drive in drive_mode pwm.
-impl Step<'_> {
+impl<const PLAIN: bool> Step<'_, PLAIN> {
     /// Whether the drive has losses.
     #[inline]
     pub(super) fn loses(&self) -> bool {
@@ -102,6 +102,8 @@ impl Step<'_> {
     pub(super) fn source(&self, t: f64, e: f64) -> f64 {
         if self.chopper.coasts {
             self.chopper.open_voltage(t, e).0
+        } else if PLAIN {
+            self.voltage.at(t)
         } else {
             self.voltage.at(t) + self.voltage_bend * (t * t)
         }

@@ -23,7 +23,7 @@ struct Outside {
     error: f64,
 }
 
-impl Step<'_> {
+impl<const PLAIN: bool> Step<'_, PLAIN> {
     /// Outputs at the start of the step; `t_sensor` is the temperature of the housing sensor.
     pub fn outputs(&self, state: &State<NODES>, t_sensor: f64, phases: &Phases) -> Outputs {
         let (model, ambient) = (self.model, self.ambient.start);

@@ -15,7 +15,7 @@ pub struct Instant {
     drag: f64,
 }
 
-impl System<NODES> for Step<'_> {
+impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
     type Instant = Instant;
 
     #[inline(always)]
@@ -28,18 +28,12 @@ impl System<NODES> for Step<'_> {
     fn fast_rates_at(&self, t: f64, x: &Fast, temperature: &Temperatures, instant: &Instant) -> Fast {
         let (i, w) = (x[0], x[1]);
         let k = instant.k;
-        let di = if self.is_voltage_driven() {
-            let lost = self.ports().terminal_voltage(i) + self.bridge(i) + self.missed(t, i);
-            (self.source(t, k * w) - self.resistance(temperature[WINDING]) * i - lost - k * w)
-                * self.constants.inverse_l
-        } else {
-            self.current.slope
-        };
-        let dw = if self.is_free() {
-            (k * i - instant.drag - self.load.at(t)) * self.constants.inverse_j
-        } else {
-            self.speed.slope
-        };
+        let lost = self.ports().terminal_voltage(i) + self.bridge(i) + self.missed(t, i);
+        // One of the two summands is zero: 1/L or the derivative of the imposed current; 1/J or that of the imposed speed.
+        let di = (self.source(t, k * w) - self.resistance(temperature[WINDING]) * i - lost - k * w)
+            * self.constants.inverse_l
+            + self.current.slope;
+        let dw = (k * i - instant.drag - self.load.at(t)) * self.constants.inverse_j + self.speed.slope;
         Fast::new(di, dw)
     }
 
@@ -153,7 +147,7 @@ impl System<NODES> for Step<'_> {
             (air_gap, air_gap - friction)
         };
         let mut load = 0.0;
-        if self.constants.acts.at(Port::PowerModeLoad) {
+        if !PLAIN && self.constants.acts.at(Port::PowerModeLoad) {
             let error_of_load;
             (load, error_of_load) = against([x0, xm, x1].map(|x| self.power_mode_torque(x[1])), 1);
             quadrature_error += error_of_load;
@@ -181,7 +175,7 @@ impl System<NODES> for Step<'_> {
                 let error_of_open;
                 (supplied, error_of_open) = against(open, 0);
                 quadrature_error += error_of_open;
-            } else if self.voltage_bend != 0.0 {
+            } else if !PLAIN && self.voltage_bend != 0.0 {
                 let (bend, error_of_bend) = against(at.map(|t| self.voltage_bend * (t * t)), 0);
                 supplied += bend;
                 quadrature_error += error_of_bend;
@@ -216,6 +210,6 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn bends_where_stiff(&self) -> bool {
         // The contact voltage drop changes sign within milliamperes, which the current crosses in microseconds.
-        self.constants.acts.at(Port::TerminalVoltage) || self.chopper.loses || self.chopper.coasts
+        self.ports().acts.at(Port::TerminalVoltage) || self.chopper.loses || self.chopper.coasts
     }
 }
