@@ -314,6 +314,7 @@ impl<const N: usize> Split<N> {
     }
 
     /// One step of length `h` from `t`: the new state and the error in units of the tolerance.
+    #[inline]
     fn step<const E: usize>(
         &mut self,
         system: &impl System<N>,
@@ -322,8 +323,33 @@ impl<const N: usize> Split<N> {
         h: f64,
         backup: &mut Option<Frozen<N>>,
     ) -> (State<N, E>, f64) {
+        let (x0, temp0) = (&state.x, &state.temperature);
+        self.renew(system.fast_matrix(t, x0, temp0), system.network_matrix(t, temp0), h, backup);
+        let mut guess = None;
+        let mut left = ROUNDS;
+        loop {
+            left -= 1;
+            match self.iterate(system, state, t, h, guess, left > 0) {
+                Ok(step) => return step,
+                Err(better) => guess = Some(better),
+            }
+        }
+    }
+
+    /// One iteration between the blocks over a step, from guessed temperatures in the middle and at the end of the step; `Err` with
+    /// better ones if they differ from the solution and `continues` allows. Not inlined: the loops around it, which hardly ever
+    /// repeat, would keep everything that does not change in them, in memory.
+    #[inline(never)]
+    fn iterate<const E: usize>(
+        &self,
+        system: &impl System<N>,
+        state: &State<N, E>,
+        t: f64,
+        h: f64,
+        guess: Option<[SVector<f64, N>; 2]>,
+        continues: bool,
+    ) -> Result<(State<N, E>, f64), [SVector<f64, N>; 2]> {
         let (x0, temp0) = (state.x, state.temperature);
-        self.renew(system.fast_matrix(t, &x0, &temp0), system.network_matrix(t, &temp0), h, backup);
         let (fast, thermal) = (&self.fast, &self.thermal);
         let (a, m) = (fast.matrix(), thermal.matrix());
         let (capacity, per_joule) = (system.capacity(), system.inverse_capacity());
@@ -342,91 +368,87 @@ impl<const N: usize> Split<N> {
         // Initial guess: temperatures at the end from the heat of the first stage, by which most of a fast transient has decayed.
         let rate = network0 + system.heat_rates_at(middle, &xa, &tempm, &stage).component_mul(per_joule);
         let mut temp1 = temp0 + rate * h;
-        let mut round = 0;
-        loop {
-            let na = system.fast_rates_at(middle, &xa, &tempm, &stage) - product(a, &xa);
-            let xb = fast.constant(&x0, &(na * 2.0 - n0));
-            let nb = system.fast_rates(until, &xb, &temp1) - product(a, &xb);
-            let forcing = Forcing::through(n0, na, nb);
-            let x1 = fast.end(&x0, &slope0, &forcing);
-            let xm = fast.middle(&x0, &forcing);
-            let x = [x0, xm, x1];
-            let (integral, moment) = (fast.integral(&x0, &forcing), fast.moment(&x0, &forcing));
-            let (square, error_of_square) = self.squares.integral(h, &x, &forcing, [&integral, &moment]);
-            let segment = Segment {
-                t,
-                h,
-                x,
-                square,
-                error_of_square,
-                integral,
-                moment,
-                temperature: [temp0, tempm, temp1],
-            };
-            let instants = [start, system.instant(middle, &xm, &tempm), system.instant(until, &x1, &temp1)];
-            let work = system.work(&segment, &instants);
-
-            // Heat flow with exactly the integral of the step: Simpson's rule solved for the middle value.
-            let heat1 = system.heat_rates_at(until, &x1, &temp1, &instants[2]);
-            let heatm = (work.heat * (6.0 / h) - heat0 - heat1) * 0.25;
-            let flow =
-                |network: SVector<f64, N>, heat: SVector<f64, N>| network + heat.component_mul(per_joule);
-            let (networkm, outflowm) = system.network(middle, &tempm);
-            let (network1, outflow1) = system.network(until, &temp1);
-            let warming = Forcing::through(
-                flow(network0 - product(m, &temp0), heat0),
-                flow(networkm - product(m, &tempm), heatm),
-                flow(network1 - product(m, &temp1), heat1),
-            );
-            let (half, end) = (thermal.middle(&temp0, &warming), thermal.end(&temp0, &rate0, &warming));
-            let coupling_error = (end - temp1).amax().max((half - tempm).amax());
-            let settled = SENSITIVITY * coupling_error <= 0.3 * stage_tolerance;
-            round += 1;
-            if !settled && round < ROUNDS {
-                (tempm, temp1) = (half, end);
-                stage = system.instant(middle, &xa, &tempm);
-                continue;
-            }
-
-            let size = x0.abs().sup(&x1.abs()).sup(&FAST_FLOOR);
-            let line_error = fast.curvature_error(&forcing).component_div(&size).amax();
-            // In a stiff block the end state depends only on the remainder at the end, which is equal for parabola and line;
-            // the error estimate is the difference of the remainders at the end and at the last stage.
-            let stage_error = system.fast_rates_at(until, &x1, &temp1, &instants[2]) - product(a, &x1) - nb;
-            let stage_error = fast.last_stage_error(&stage_error);
-            let stage_error = stage_error.component_div(&size).amax();
-            // The integral of the heat is exact; its shape within the step only matters as far as the node relaxes over the step.
-            let thermal_error = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
-            // The heat of a transient that decays early is not a parabola, and is released before the middle.
-            let shape_error = system.heat_rates_at(middle, &xm, &tempm, &instants[1]) - heatm;
-            let shape_error = (shape_error.component_mul(per_joule) * h).amax();
-            let heat_error = work.quadrature_error * per_joule.amax() / HEAT_FLOOR;
-            let of_heat = thermal_error + heat_error + SENSITIVITY * shape_error;
-            let error = line_error / line_tolerance
-                + (stage_error + SENSITIVITY * coupling_error) / stage_tolerance
-                + of_heat / tolerance;
-            // Heat to ambient: the linear part of the frozen network from the exact integral, the rest by Simpson's rule.
-            let share = -m.tr_mul(capacity);
-            let over_time = thermal.integral(&temp0, &warming);
-            let outflow = share.dot(&over_time)
-                + h / 6.0
-                    * (outflow0 + 4.0 * outflowm + outflow1 - share.dot(&(temp0 + tempm * 4.0 + temp1)));
-            let gained = [work.electrical, work.mechanical, outflow + work.ambient];
-            let mut energy = state.energy;
-            for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(&work.losses)) {
-                *sum += gain;
-            }
-            let integrals = StepIntegrals {
-                temperature: state.integrals.temperature + over_time,
-                aside: state.integrals.aside + work.aside,
-                outflow: state.integrals.outflow + outflow,
-            };
-            let angle = state.angle + segment.integral[1];
-            let next = State { x: x1, angle, temperature: end, energy, integrals };
-            let finite = next.x.sum() + next.temperature.sum() + next.angle;
-            let sane = finite.is_finite() && next.temperature.amax() < ABSURD && !error.is_nan();
-            return (next, if sane { error } else { f64::INFINITY });
+        if let Some(guess) = guess {
+            [tempm, temp1] = guess;
+            stage = system.instant(middle, &xa, &tempm);
         }
+        let na = system.fast_rates_at(middle, &xa, &tempm, &stage) - product(a, &xa);
+        let xb = fast.constant(&x0, &(na * 2.0 - n0));
+        let nb = system.fast_rates(until, &xb, &temp1) - product(a, &xb);
+        let forcing = Forcing::through(n0, na, nb);
+        let x1 = fast.end(&x0, &slope0, &forcing);
+        let xm = fast.middle(&x0, &forcing);
+        let x = [x0, xm, x1];
+        let (integral, moment) = (fast.integral(&x0, &forcing), fast.moment(&x0, &forcing));
+        let (square, error_of_square) = self.squares.integral(h, &x, &forcing, [&integral, &moment]);
+        let segment = Segment {
+            t,
+            h,
+            x,
+            square,
+            error_of_square,
+            integral,
+            moment,
+            temperature: [temp0, tempm, temp1],
+        };
+        let instants = [start, system.instant(middle, &xm, &tempm), system.instant(until, &x1, &temp1)];
+        let work = system.work(&segment, &instants);
+
+        // Heat flow with exactly the integral of the step: Simpson's rule solved for the middle value.
+        let heat1 = system.heat_rates_at(until, &x1, &temp1, &instants[2]);
+        let heatm = (work.heat * (6.0 / h) - heat0 - heat1) * 0.25;
+        let flow = |network: SVector<f64, N>, heat: SVector<f64, N>| network + heat.component_mul(per_joule);
+        let (networkm, outflowm) = system.network(middle, &tempm);
+        let (network1, outflow1) = system.network(until, &temp1);
+        let warming = Forcing::through(
+            flow(network0 - product(m, &temp0), heat0),
+            flow(networkm - product(m, &tempm), heatm),
+            flow(network1 - product(m, &temp1), heat1),
+        );
+        let (half, end) = (thermal.middle(&temp0, &warming), thermal.end(&temp0, &rate0, &warming));
+        let coupling_error = (end - temp1).amax().max((half - tempm).amax());
+        let settled = SENSITIVITY * coupling_error <= 0.3 * stage_tolerance;
+        if continues && !settled {
+            return Err([half, end]);
+        }
+
+        let size = x0.abs().sup(&x1.abs()).sup(&FAST_FLOOR);
+        let line_error = fast.curvature_error(&forcing).component_div(&size).amax();
+        // In a stiff block the end state depends only on the remainder at the end, which is equal for parabola and line;
+        // the error estimate is the difference of the remainders at the end and at the last stage.
+        let stage_error = system.fast_rates_at(until, &x1, &temp1, &instants[2]) - product(a, &x1) - nb;
+        let stage_error = fast.last_stage_error(&stage_error);
+        let stage_error = stage_error.component_div(&size).amax();
+        // The integral of the heat is exact; its shape within the step only matters as far as the node relaxes over the step.
+        let thermal_error = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
+        // The heat of a transient that decays early is not a parabola, and is released before the middle.
+        let shape_error = system.heat_rates_at(middle, &xm, &tempm, &instants[1]) - heatm;
+        let shape_error = (shape_error.component_mul(per_joule) * h).amax();
+        let heat_error = work.quadrature_error * per_joule.amax() / HEAT_FLOOR;
+        let of_heat = thermal_error + heat_error + SENSITIVITY * shape_error;
+        let error = line_error / line_tolerance
+            + (stage_error + SENSITIVITY * coupling_error) / stage_tolerance
+            + of_heat / tolerance;
+        // Heat to ambient: the linear part of the frozen network from the exact integral, the rest by Simpson's rule.
+        let share = -m.tr_mul(capacity);
+        let over_time = thermal.integral(&temp0, &warming);
+        let outflow = share.dot(&over_time)
+            + h / 6.0 * (outflow0 + 4.0 * outflowm + outflow1 - share.dot(&(temp0 + tempm * 4.0 + temp1)));
+        let gained = [work.electrical, work.mechanical, outflow + work.ambient];
+        let mut energy = state.energy;
+        for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(&work.losses)) {
+            *sum += gain;
+        }
+        let integrals = StepIntegrals {
+            temperature: state.integrals.temperature + over_time,
+            aside: state.integrals.aside + work.aside,
+            outflow: state.integrals.outflow + outflow,
+        };
+        let angle = state.angle + segment.integral[1];
+        let next = State { x: x1, angle, temperature: end, energy, integrals };
+        let finite = next.x.sum() + next.temperature.sum() + next.angle;
+        let sane = finite.is_finite() && next.temperature.amax() < ABSURD && !error.is_nan();
+        Ok((next, if sane { error } else { f64::INFINITY }))
     }
 }
 
