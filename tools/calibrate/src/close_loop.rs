@@ -21,6 +21,7 @@ use crate::search::{Scored, best_memory_term, latent_input_at, search};
 use crate::selection::{Candidate, Round, acting};
 use crate::separate::separate;
 use crate::setup::Setup;
+use crate::undeclared::better_than_effects;
 use physics::terms::Port;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -112,6 +113,7 @@ fn attempt<'a>(
     progress: &dyn Fn(f64, &str),
 ) -> Result<Outcome, CalibrateError> {
     let deadline = setup.deadline().clone();
+    let measured = setup.noise.clone();
     setup.structure = Arc::default();
     let for_boxes = options.budget.map_or(BOXES.0, |budget| budget.mul_f64(BOXES.1));
     let fit = setup.runs(Role::Fit);
@@ -137,6 +139,12 @@ fn attempt<'a>(
             search => Some(search?),
         };
         is_cut = looked.is_none();
+    }
+    if let Some(search_of) = &looked
+        && let Some(mut released) = better_than_effects(&search_of.first, &search_of.scored[0])?
+    {
+        released.setup.noise = measured;
+        return attempt(released.setup, Ok(released.fitted), options, progress);
     }
     let Some(mut search_of) = looked else {
         deadline.lift();
