@@ -143,8 +143,15 @@ fn attempt<'a>(
     if let Some(search_of) = &looked
         && let Some(mut released) = better_than_effects(&search_of.first, &search_of.scored[0])?
     {
-        released.setup.noise = measured;
-        return attempt(released.setup, Ok(released.fitted), options, progress);
+        released.setup.noise.clone_from(&measured);
+        let name = released.name;
+        let found =
+            attempt(released.setup.until(deadline.separate()), Ok(released.fitted), options, progress)?;
+        if !found.keeps(&name) || deadline.is_near() {
+            return Ok(found);
+        }
+        // With the effects found, the preset's value is right: the parameter stood in for them.
+        progress(0.5, "the value of the preset is right; looking again");
     }
     let Some(mut search_of) = looked else {
         deadline.lift();

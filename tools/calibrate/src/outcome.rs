@@ -284,3 +284,11 @@ pub struct Outcome {
     /// Wall time, s.
     pub seconds: f64,
 }
+
+impl Outcome {
+    /// Whether effects were found with which the 95 % interval of a parameter contains its value in the preset.
+    pub fn keeps(&self, name: &str) -> bool {
+        let own = self.parameters.iter().find(|p| p.name == name);
+        !self.effects.is_empty() && own.is_some_and(|p| p.ci95.0 <= p.prior && p.prior <= p.ci95.1)
+    }
+}

@@ -49,6 +49,18 @@ pub struct Released<'a> {
     fall: f64,
 }
 
+impl Released<'_> {
+    fn is_inside(&self) -> bool {
+        let own = self
+            .setup
+            .declared
+            .iter()
+            .zip(&self.fitted.hypothesis.declared)
+            .find(|(d, _)| d.name == self.name);
+        own.is_some_and(|(d, value)| d.limits.0 < *value && *value < d.limits.1)
+    }
+}
+
 /// The parameter without prior whose other value explains the residual of `point`, the fit, best; to be fitted, it must explain more than
 /// `least` to first order. A wrong value can lead the fit far astray, so that (1) fails there; each parameter is therefore also fitted from
 /// the preset, by (1) at the preset.
@@ -64,6 +76,8 @@ pub fn best<'a>(point: &Linearization<'a>, least: f64) -> Option<Released<'a>> {
     let starts = near.into_par_iter().map(|own| (point, own));
     let starts = starts.chain(far.into_par_iter().filter_map(|own| Some((preset.as_ref()?, own))));
     let all = starts.filter_map(|(start, (_, own, value))| fitted(point, &start.fitted, own, value).ok());
+    // A value at a limit stands in for something else.
+    let all = all.filter(|own| own.is_inside());
     all.max_by(|a, b| a.fall.total_cmp(&b.fall))
 }
 

@@ -20,12 +20,11 @@
 //! contradictory only if the minimum of the former is [`WORSE`] times that of the latter: no values within the priors explain the data as
 //! well.
 //!
-//! Before that, parameters without prior get one if their values in the preset contradict the data (`undeclared.rs`). Since another mistake
-//! may stand beside them, the size of the remaining error is unknown there: C the cost, n the number of independent readings,
+//! Before that, parameters without prior get one if their values in the preset contradict the data (`undeclared.rs`). Since a mistake may
+//! stand beside them, the evidence counts for errors of the size above and for errors of unknown size: C the cost, n the number of
+//! independent readings,
 //!
-//! -2 ln (likelihood ratio) = n ln (C / C')                                                          (3)
-//!
-//! must exceed the same difference.
+//! evidence = min(C - C', n ln (C / C')) - ln n                                                       (3)
 //!
 //! *Source*: parameter bounds and residuals for fault isolation: Isermann, Fault-Diagnosis Systems (2006), ch. 9; likelihood ratio of
 //! hypotheses: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
@@ -39,6 +38,7 @@ use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Start};
 use crate::hypothesis::Hypothesis;
+use crate::selection::LEAST;
 use cost::{Cost, fitted};
 use mistakes::{Mistake, mistakes};
 use physics::declare::Unit;
@@ -218,7 +218,7 @@ pub fn contradiction(
     while !as_is.is_cut
         && !as_is.bad_runs().is_empty()
         && let Some((other, better)) = cost::released(&whole, &thin, AS_IS)?
-        && as_is.log_likelihood_ratio(&better) > WORSE.1
+        && as_is.evidence(&better) > LEAST
     {
         (as_is, thin) = (better, other);
     }

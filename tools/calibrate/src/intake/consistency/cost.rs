@@ -53,10 +53,11 @@ impl Cost {
         own > WORSE.0 * meant && self.whole() > other.whole() + WORSE.1
     }
 
-    /// (3), with respect to a fit that explains the data better.
-    pub(super) fn log_likelihood_ratio(&self, other: &Cost) -> f64 {
+    /// (3), with respect to a fit with one parameter more.
+    pub(super) fn evidence(&self, other: &Cost) -> f64 {
         let readings = SAMPLES * (self.fitted * self.outputs.len()) as f64;
-        readings * (self.whole() / other.whole()).ln()
+        let (own, other) = (self.whole(), other.whole());
+        (own - other).min(readings * (own / other).ln()) - readings.ln()
     }
 
     /// The runs that deviate by more than the structure error; all runs if parameters are strained.
