@@ -31,11 +31,6 @@ impl Deadline {
         self.ends().is_some_and(|(_, hard)| Instant::now() >= hard)
     }
 
-    /// The same deadline, which can be removed independently.
-    pub fn separate(&self) -> Deadline {
-        Deadline(Arc::new(Mutex::new(self.ends())))
-    }
-
     /// Removes the deadline for the work after the search.
     pub fn lift(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;

@@ -207,6 +207,7 @@ pub fn outcome(
         effects,
         unexplained: judged.unexplained,
         parameters: estimates_of[..common].to_vec(),
+        released: setup.declared.iter().filter(|d| d.is_released).map(|d| d.name.clone()).collect(),
         of_runs,
         refit: naive,
         correlated,

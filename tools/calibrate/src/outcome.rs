@@ -251,6 +251,8 @@ pub struct Outcome {
     pub unexplained: Option<Unexplained>,
     /// Declared parameters of the repaired model.
     pub parameters: Vec<Estimate>,
+    /// Those of them that have no prior in the experiment.
+    pub released: Vec<String>,
     /// Declared parameters of the fit without added effects.
     pub refit: Vec<Estimate>,
     /// Unknowns of single runs, with the file.
@@ -286,9 +288,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether effects were found with which the 95 % interval of a parameter contains its value in the preset.
-    pub fn keeps(&self, name: &str) -> bool {
-        let own = self.parameters.iter().find(|p| p.name == name);
-        !self.effects.is_empty() && own.is_some_and(|p| p.ci95.0 <= p.prior && p.prior <= p.ci95.1)
+    /// Parameters without prior whose 95 % intervals contain the values of the preset, if effects were found.
+    pub fn stood_in(&self) -> Vec<String> {
+        let keeps = |p: &&Estimate| p.ci95.0 <= p.prior && p.prior <= p.ci95.1;
+        let own = self.parameters.iter().filter(|p| self.released.contains(&p.name)).filter(keeps);
+        own.filter(|_| !self.effects.is_empty()).map(|p| p.name.clone()).collect()
     }
 }

@@ -111,6 +111,8 @@ pub struct Setup<'a> {
     pub driven: Arc<Vec<Drive>>,
     /// Parameters that may be fitted.
     pub declared: Vec<Declared>,
+    /// Parameters without prior that are not estimated, because their values in the preset are right.
+    pub kept: Vec<String>,
     /// Standard deviations of the noise: inputs, then outputs.
     pub noise: Vec<f64>,
     /// Part of the outputs' noise due to disagreement between runs; empty if there is none.
@@ -175,6 +177,7 @@ impl<'a> Setup<'a> {
             driven: Arc::clone(&smooth),
             smooth,
             declared,
+            kept: Vec::new(),
             noise,
             between: Vec::new(),
             remembered: Vec::new(),

@@ -133,6 +133,7 @@ fn candidates(setup: &Setup) -> Vec<Declared> {
             && setup.bench.start_of(entry.slot) != 0.0
             && !entry.name.starts_with(START_VALUES)
             && !setup.declared.iter().any(|d| d.slot == entry.slot)
+            && !setup.kept.contains(&entry.name)
             && !is_set(&entry.name)
     };
     let entries = setup.bench.declaration().entries.iter().filter(is_open);
@@ -141,6 +142,15 @@ fn candidates(setup: &Setup) -> Vec<Declared> {
         Declared { is_released: true, ..Declared::new(entry, prior, DEVIATION * prior.abs()) }
     };
     entries.map(own).collect()
+}
+
+impl<'a> Setup<'a> {
+    /// The setup in which these parameters without prior keep the values of the preset.
+    pub fn without(mut self, names: &[String]) -> Setup<'a> {
+        self.declared.retain(|d| !(d.is_released && names.contains(&d.name)));
+        self.kept.extend_from_slice(names);
+        self
+    }
 }
 
 /// The setup with a further declared parameter, after those common to all runs.
