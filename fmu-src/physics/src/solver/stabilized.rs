@@ -77,16 +77,16 @@ impl Stabilized {
     /// One step of length `h` of the first `n` states from `y` with the rates `f0` there; `rates(t, y, out)` with
     /// t from the step's start. Returns the states at the end.
     #[inline]
-    pub fn step(
+    pub fn step<const M: usize>(
         &self,
         n: usize,
-        y: &States,
-        f0: &States,
+        y: &[f64; M],
+        f0: &[f64; M],
         h: f64,
-        mut rates: impl FnMut(f64, &States, &mut States),
-    ) -> States {
+        mut rates: impl FnMut(f64, &[f64; M], &mut [f64; M]),
+    ) -> [f64; M] {
         let (w0, w1) = (self.w0, self.w1);
-        let n = n.min(MOST);
+        let n = n.min(M);
         // b_0 = b_1 = b_2 = T_2''/(T_2')^2 with T_2'' = 4, T_2' = 4 w0.
         let b2 = 4.0 / (16.0 * w0 * w0);
         let (mut b_before, mut b_last) = (b2, b2);
@@ -98,7 +98,7 @@ impl Stabilized {
         for k in 0..n {
             last[k] = y[k] + first * f0[k];
         }
-        let mut f = [0.0; MOST];
+        let mut f = [0.0; M];
         for _ in 2..=self.stages {
             let t = [
                 2.0 * w0 * t_last[0] - t_before[0],

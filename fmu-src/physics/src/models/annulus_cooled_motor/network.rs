@@ -14,14 +14,15 @@
 //! temperatures is small enough ([`Network::miss`]). `solver/stabilized.rs` solves the network itself.
 
 mod body;
+mod substep;
 
 pub use body::{Body, SEGMENTS};
+pub use substep::{Advance, CouplingIntegrals};
 
 use super::cooling::{Coefficients, Conditions, Cooling, Tangent};
 use super::parameters::Parameters;
 use super::variables::Inputs;
-use crate::line::Line;
-use crate::solver::stabilized::{MOST, Stabilized, States, error};
+use crate::solver::stabilized::{MOST, Stabilized, States};
 use body::FIRST;
 
 const ROTOR: usize = 0;
@@ -246,29 +247,11 @@ impl Network {
         Inflow { rotor, segment }
     }
 
-    /// Mean heat flows over a substep of `h` seconds, from the time integrals of winding and stator temperature and the
-    /// friction energy, with rotor and housing linear in time. Second result: the heat that left winding and stator, J.
-    fn mean_inflow(&self, rates: &States, h: f64, integrals: &CouplingIntegrals) -> (Inflow, f64) {
-        let body = &self.body;
-        let &CouplingIntegrals { winding, stator, friction } = integrals;
-        let to_housing = friction * (1.0 - body.friction_to_rotor) / body.segments as f64;
-        let along = |k: usize| h * (self.states[k] + 0.5 * h * rates[k]);
-        let mut inflow = Inflow { rotor: 0.0, segment: [0.0; SEGMENTS] };
-        let from_winding = body.winding_to_rotor * (winding - along(ROTOR));
-        let mut left = from_winding;
-        inflow.rotor = (from_winding + friction * body.friction_to_rotor) / h;
-        for k in 0..body.segments {
-            let q = body.from_stator * (stator - along(FIRST + k));
-            left += q;
-            inflow.segment[k] = (q + to_housing) / h;
-        }
-        (inflow, left)
-    }
-
     /// Derivatives of all states, eqs. (1) to (3), K/s, and the heat flow to ambient, W.
-    fn rates(&self, ambient: f64, inflow: &Inflow, y: &States, out: &mut States) {
+    fn rates(&self, ambient: f64, inflow: &Inflow, y: &[f64], out: &mut [f64]) {
         let (body, c) = (&self.body, &self.now);
-        let n = body.segments;
+        let n = body.segments.min(SEGMENTS);
+        let (y, out) = (&y[..=FIRST + n], &mut out[..=FIRST + n]);
         let (rotor, tube) = (y[ROTOR], y[TUBE]);
         let [per_rotor, per_tube, per_joule] = body.per_joule;
         let inlet = c.inlet(ambient);
@@ -331,66 +314,6 @@ impl Network {
         rates[FIRST + self.body.segments]
     }
 
-    /// Computes a substep of `h` seconds: `rates` are the derivatives at its start with the heat flows `at_start`, `integrals`
-    /// those of winding and stator over the substep; ambient is linear in time. [`accept`](Self::accept) accepts the result.
-    pub fn advance(
-        &mut self,
-        h: f64,
-        (rates, at_start): (&States, &Inflow),
-        integrals: &CouplingIntegrals,
-        ambient: Line,
-    ) -> Advance {
-        let (n, count) = (self.body.segments, self.body.states());
-        let (inflow, left) = self.mean_inflow(rates, h, integrals);
-        let stiffness = h * self.fastest;
-        if stiffness > self.method.stiffness() || self.method.stages() > 2 {
-            self.method = Stabilized::for_stiffness(stiffness);
-        }
-        self.states[FIRST + n] = 0.0;
-        // `rates` belongs to the heat flows at the start; the derivatives are linear in them.
-        let mut first = *rates;
-        let [rotor, _, segment] = self.body.per_joule;
-        first[ROTOR] += (inflow.rotor - at_start.rotor) * rotor;
-        for k in 0..n {
-            first[FIRST + k] += (inflow.segment[k] - at_start.segment[k]) * segment;
-        }
-        let at = |t: f64, y: &States, out: &mut States| self.rates(ambient.at(t), &inflow, y, out);
-        let end = self.method.step(count, &self.states, &first, h, at);
-        let mut worst = self.miss(rates, &end, h);
-        // Bound of the local error, (h lambda)^2 h y'/6. At steps of milliseconds it is far below the rounding error of the
-        // error estimate; the estimate's extra evaluation is needed only for larger bounds.
-        let steepest = first[..FIRST + n].iter().fold(0.0f64, |m, r| m.max(r.abs()));
-        if stiffness * stiffness * h * steepest > 0.1 * self.tolerance {
-            let mut last = [0.0; MOST];
-            at(h, &end, &mut last);
-            for k in 0..FIRST + n {
-                worst = worst.max(error(self.states[k], first[k], end[k], last[k], h).abs());
-            }
-        }
-        self.next = end;
-        let over = if stiffness > self.method.stiffness() { f64::INFINITY } else { worst / self.tolerance };
-        Advance { left, to_ambient: end[FIRST + n], error: over }
-    }
-
-    /// Error of the stator temperature over a substep because the housing temperature is not linear in time, K: a third of
-    /// the difference at the end (for a parabola), times the fraction of its heat that the stator exchanges.
-    fn miss(&self, rates: &States, end: &States, h: f64) -> f64 {
-        let n = self.body.segments;
-        let line = self.housing_temperature() + h * self.housing_rate(rates);
-        let off = mean(&end[FIRST..FIRST + n]) - line;
-        let exchange = h
-            * self.body.from_stator
-            * n as f64
-            * (1.0 / self.body.stator + 1.0 / (n as f64 * self.body.capacity[2]));
-        (off * exchange / 3.0).abs()
-    }
-
-    /// Accepts the states at the end of the last substep.
-    pub fn accept(&mut self) {
-        let in_use = self.body.states();
-        self.states[..in_use].copy_from_slice(&self.next[..in_use]);
-    }
-
     /// Upper bound of the network's eigenvalues, 1/s (Gershgorin).
     fn bound(&self) -> f64 {
         let (body, c) = (&self.body, &self.now);
@@ -441,28 +364,6 @@ impl Network {
         flows.outlet = air;
         flows
     }
-}
-
-/// Time integrals of winding and stator over a substep.
-#[derive(Clone, Copy, Debug)]
-pub struct CouplingIntegrals {
-    /// Integral of the winding temperature, K.s.
-    pub winding: f64,
-    /// Integral of the stator temperature, K.s.
-    pub stator: f64,
-    /// Friction heat, J.
-    pub friction: f64,
-}
-
-/// Result of a substep.
-#[derive(Clone, Copy, Debug)]
-pub struct Advance {
-    /// Heat that winding and stator gave to the network, J.
-    pub left: f64,
-    /// Heat that the network gave to ambient, J.
-    pub to_ambient: f64,
-    /// Ratio of the error estimate to the tolerance.
-    pub error: f64,
 }
 
 /// Heat flows of one segment and its length of tube to the air, W, and the air temperature behind them, K.

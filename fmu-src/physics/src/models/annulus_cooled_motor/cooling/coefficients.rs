@@ -140,26 +140,48 @@ impl Coefficients {
         self.coolant_inlet.unwrap_or(ambient + self.inlet_rise)
     }
 
-    /// `self + z slope` for the first `n` segments.
+    /// Takes the values of `other` for the first `n` segments.
     #[inline]
-    pub(super) fn along(&self, slope: &Coefficients, z: f64, n: usize, out: &mut Coefficients) {
-        for k in 0..n {
-            out.ambient_conductance[k] = self.ambient_conductance[k] + z * slope.ambient_conductance[k];
-            out.film_conductance[k] = self.film_conductance[k] + z * slope.film_conductance[k];
-            out.share[k] = self.share[k] + z * slope.share[k];
-            out.effectiveness[k] = self.effectiveness[k] + z * slope.effectiveness[k];
+    pub(super) fn take(&mut self, other: &Coefficients, n: usize) {
+        let Coefficients { ambient_conductance, film_conductance, share, effectiveness, .. } = self;
+        let segments = [ambient_conductance, film_conductance, share, effectiveness];
+        let others =
+            [&other.ambient_conductance, &other.film_conductance, &other.share, &other.effectiveness];
+        for (mine, other) in segments.into_iter().zip(others) {
+            mine[..n].copy_from_slice(&other[..n]);
         }
-        out.m_flow_cp = self.m_flow_cp + z * slope.m_flow_cp;
-        out.to_tube = self.to_tube + z * slope.to_tube;
-        out.tube_to_ambient = self.tube_to_ambient + z * slope.tube_to_ambient;
-        out.flow = self.flow + z * slope.flow;
-        out.behind = self.behind + z * slope.behind;
-        out.pressure_drop = self.pressure_drop + z * slope.pressure_drop;
-        out.fan_power = self.fan_power + z * slope.fan_power;
-        out.coolant_pressure_drop = self.coolant_pressure_drop + z * slope.coolant_pressure_drop;
-        out.pump_power = self.pump_power + z * slope.pump_power;
-        out.coolant_inlet = self.coolant_inlet;
+        self.m_flow_cp = other.m_flow_cp;
+        self.inlet_rise = other.inlet_rise;
+        self.to_tube = other.to_tube;
+        self.tube_to_ambient = other.tube_to_ambient;
+        self.flow = other.flow;
+        self.behind = other.behind;
+        self.pressure_drop = other.pressure_drop;
+        self.fan_power = other.fan_power;
+        self.coolant_inlet = other.coolant_inlet;
+        self.coolant_pressure_drop = other.coolant_pressure_drop;
+        self.pump_power = other.pump_power;
+    }
+
+    /// Adds `z` times `slope` for the first `n` segments.
+    #[inline]
+    pub(super) fn change(&mut self, slope: &Coefficients, z: f64, n: usize) {
+        for k in 0..n {
+            self.ambient_conductance[k] += z * slope.ambient_conductance[k];
+            self.film_conductance[k] += z * slope.film_conductance[k];
+            self.share[k] += z * slope.share[k];
+            self.effectiveness[k] += z * slope.effectiveness[k];
+        }
+        self.m_flow_cp += z * slope.m_flow_cp;
+        self.to_tube += z * slope.to_tube;
+        self.tube_to_ambient += z * slope.tube_to_ambient;
+        self.flow += z * slope.flow;
+        self.behind += z * slope.behind;
+        self.pressure_drop += z * slope.pressure_drop;
+        self.fan_power += z * slope.fan_power;
+        self.coolant_pressure_drop += z * slope.coolant_pressure_drop;
+        self.pump_power += z * slope.pump_power;
         // The rise is computed from the fan power and the heat capacity rate, so that energy is conserved.
-        out.inlet_rise = if out.m_flow_cp > 0.0 { out.fan_power / out.m_flow_cp } else { 0.0 };
+        self.inlet_rise = if self.m_flow_cp > 0.0 { self.fan_power / self.m_flow_cp } else { 0.0 };
     }
 }

@@ -53,12 +53,12 @@ impl Tangent {
         let n = cooling.segments;
         let base = cooling.coefficients(parameters, &at);
         let warmer = Conditions { surface: at.surface + RISE, ..at };
-        let mut slope = Coefficients::NONE;
-        cooling.coefficients(parameters, &warmer).along(&base, -1.0, n, &mut slope);
+        let mut slope = cooling.coefficients(parameters, &warmer);
+        slope.change(&base, -1.0, n);
         let by_tube = cooling.has_tube().then(|| {
             let warmer = Conditions { tube: at.tube + reach_tube(&at), ..at };
-            let mut slope = Coefficients::NONE;
-            cooling.coefficients(parameters, &warmer).along(&base, -1.0, n, &mut slope);
+            let mut slope = cooling.coefficients(parameters, &warmer);
+            slope.change(&base, -1.0, n);
             slope
         });
         Tangent { at, base, slope, by_tube, by_command: None }
@@ -109,10 +109,10 @@ impl Tangent {
         out: &mut Coefficients,
     ) {
         let n = cooling.segments;
-        self.base.along(&self.slope, self.beyond(now), n, out);
+        out.take(&self.base, n);
+        out.change(&self.slope, self.beyond(now), n);
         if let Some(by_tube) = &self.by_tube {
-            let kept = *out;
-            kept.along(by_tube, self.beyond_tube(now) / reach_tube(&self.at), n, out);
+            out.change(by_tube, self.beyond_tube(now) / reach_tube(&self.at), n);
         }
         out.coolant_inlet = self.base.coolant_inlet.map(|_| now.coolant_inlet);
         if now.command != self.at.command {
@@ -120,13 +120,12 @@ impl Tangent {
             let (base, at) = (&self.base, self.at);
             let by_command = self.by_command.get_or_insert_with(|| {
                 let slower = Conditions { command: at.command * (1.0 - BACK), ..at };
-                let mut slope = Coefficients::NONE;
-                base.along(&cooling.coefficients(parameters, &slower), -1.0, n, &mut slope);
+                let mut slope = *base;
+                slope.change(&cooling.coefficients(parameters, &slower), -1.0, n);
                 slope
             });
             let share = (now.command / self.at.command - 1.0) / BACK;
-            let kept = *out;
-            kept.along(by_command, share, n, out);
+            out.change(by_command, share, n);
         }
     }
 }
