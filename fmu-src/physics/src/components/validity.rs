@@ -99,9 +99,12 @@ impl Limits {
     /// Whether a temperature is outside its limits or not a number.
     #[inline]
     pub fn are_passed(&self, at: &Extremes) -> bool {
-        // A torque constant of zero is outside; f64::max ignores NaN.
-        let finite = at.winding.is_finite() && at.magnets.is_finite() && at.lowest.is_finite();
-        self.excess(at) >= 0.0 || !finite
+        let v = &self.validity;
+        // A torque constant of zero is outside. Comparisons with NaN are false.
+        !(at.winding < v.winding_temperature
+            && at.magnets < v.magnet_temperature
+            && at.magnets < self.no_torque
+            && at.lowest > v.lowest_temperature)
     }
 
     /// Report on the nearest limit at `time`, s, with `losses` and the heat flow `cooling` out of the motor, W: one
