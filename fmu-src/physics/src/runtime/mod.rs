@@ -176,12 +176,13 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
     #[inline]
     fn step_to_limit(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         self.ended = false;
-        let slopes = self.slopes;
         let halt = match self.step_over_events(time, h) {
             Ok(()) => return Ok(()),
             Err(Halt::Fault(fault)) if !M::IS_LIMITED => return Err(fault),
             Err(halt) => halt,
         };
+        // A failed step changes nothing.
+        let slopes = self.slopes;
         let at = approach(self, (time, h), halt, |run, at, h| {
             run.slopes = slopes;
             run.step_over_events(at, h)

@@ -32,6 +32,7 @@ use super::phi::{Forcing, Phi, product};
 use crate::runtime::Saved;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use square::Squares;
+use std::ops::AddAssign;
 
 /// Relative tolerance of one step on the error of temperatures and energies, and on the stage error where
 /// rates are nonlinear within a stiff step ([`System::bends_where_stiff`]).
@@ -108,6 +109,14 @@ pub struct StepIntegrals<const N: usize> {
 impl<const N: usize> Default for StepIntegrals<N> {
     fn default() -> Self {
         StepIntegrals { temperature: SVector::zeros(), aside: 0.0, outflow: 0.0 }
+    }
+}
+
+impl<const N: usize> AddAssign for StepIntegrals<N> {
+    fn add_assign(&mut self, before: Self) {
+        self.temperature += before.temperature;
+        self.aside += before.aside;
+        self.outflow += before.outflow;
     }
 }
 
@@ -246,26 +255,27 @@ impl<const N: usize> Split<N> {
         state: &mut State<N, E>,
         h: f64,
     ) -> Result<(), StepFailure> {
-        let (mut now, mut done, mut trial) = (*state, 0.0, self.trial.min(h));
-        now.integrals = StepIntegrals::default();
-        let mut backup = None;
+        let (mut done, mut trial) = (0.0, self.trial.min(h));
+        let (mut backup, mut reached, mut next) = (None, None, *state);
         loop {
             let rest = h - done;
             let try_h = if trial >= rest * WHOLE { rest } else { trial.min(0.5 * rest) };
-            let (next, error) = self.step(system, &now, done, try_h, &mut backup);
+            let from = reached.as_ref().unwrap_or(state);
+            let error = self.step(system, from, (done, try_h), &mut next, &mut backup);
             if error <= 1.0 {
-                now = next;
-                if try_h == h {
-                    self.trial = f64::INFINITY;
-                    break;
+                if done > 0.0 {
+                    next.integrals += from.integrals;
                 }
                 // Third-order error: the next step size follows from the cube root of the error.
-                trial = try_h * (0.8 / error.cbrt()).clamp(0.3, 4.0);
+                let whole = try_h == h;
+                trial = if whole { f64::INFINITY } else { try_h * (0.8 / error.cbrt()).clamp(0.3, 4.0) };
                 if try_h == rest {
                     self.trial = trial;
-                    break;
+                    *state = next;
+                    return Ok(());
                 }
                 done += try_h;
+                reached = Some(next);
             } else if try_h > LEAST_SHARE * h {
                 self.rejected += 1;
                 trial = try_h * if error.is_finite() { (0.8 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 };
@@ -277,8 +287,6 @@ impl<const N: usize> Split<N> {
                 return Err(StepFailure { t: done, h: try_h });
             }
         }
-        *state = now;
-        Ok(())
     }
 
     /// One step without error control, to study the order of the method.
@@ -288,14 +296,28 @@ impl<const N: usize> Split<N> {
         state: &State<N, E>,
         h: f64,
     ) -> State<N, E> {
-        self.step(system, state, 0.0, h, &mut None).0
+        let mut next = *state;
+        self.step(system, state, (0.0, h), &mut next, &mut None);
+        next
     }
 
     /// Updates the frozen blocks if they are outdated; `backup` keeps the blocks before the first update.
-    fn renew(&mut self, a: Matrix2<f64>, m: SMatrix<f64, N, N>, h: f64, backup: &mut Option<Frozen<N>>) {
+    fn renew<S: System<N>>(
+        &mut self,
+        system: &S,
+        (t, h): (f64, f64),
+        (x, temperature): (&Fast, &SVector<f64, N>),
+        backup: &mut Option<Frozen<N>>,
+    ) {
+        let (a, m) = (system.fast_matrix(t, x, temperature), system.network_matrix(t, temperature));
         let stale = self.stale();
         let fast = self.fast.step() == h && fresh(self.fast.matrix(), &a, h, stale);
-        let thermal = self.thermal.step() == h && fresh(self.thermal.matrix(), &m, h, stale);
+        let thermal = self.thermal.step() == h
+            && if S::IS_NETWORK_LINEAR {
+                *self.thermal.matrix() == m
+            } else {
+                fresh(self.thermal.matrix(), &m, h, stale)
+            };
         if !(fast && thermal) {
             backup.get_or_insert((
                 *self.fast.matrix(),
@@ -313,42 +335,41 @@ impl<const N: usize> Split<N> {
         }
     }
 
-    /// One step of length `h` from `t`: the new state and the error in units of the tolerance.
-    #[inline]
+    /// One step of length `h` from `t` to the state `next`: its error in units of the tolerance. Like [`iterate`](Self::iterate) not
+    /// inlined: the loop around it hardly ever repeats, but the compiler would keep in memory all that is constant in it.
+    #[inline(never)]
     fn step<const E: usize>(
         &mut self,
         system: &impl System<N>,
         state: &State<N, E>,
-        t: f64,
-        h: f64,
+        (t, h): (f64, f64),
+        next: &mut State<N, E>,
         backup: &mut Option<Frozen<N>>,
-    ) -> (State<N, E>, f64) {
-        let (x0, temp0) = (&state.x, &state.temperature);
-        self.renew(system.fast_matrix(t, x0, temp0), system.network_matrix(t, temp0), h, backup);
+    ) -> f64 {
+        self.renew(system, (t, h), (&state.x, &state.temperature), backup);
         let mut guess = None;
         let mut left = ROUNDS;
         loop {
             left -= 1;
-            match self.iterate(system, state, t, h, guess, left > 0) {
-                Ok(step) => return step,
+            match self.iterate(system, state, (t, h), guess, left > 0, next) {
+                Ok(error) => return error,
                 Err(better) => guess = Some(better),
             }
         }
     }
 
     /// One iteration between the blocks over a step, from guessed temperatures in the middle and at the end of the step; `Err` with
-    /// better ones if they differ from the solution and `continues` allows. Not inlined: the loops around it, which hardly ever
-    /// repeat, would keep everything that does not change in them, in memory.
+    /// better ones if they differ from the solution and `continues` allows.
     #[inline(never)]
     fn iterate<const E: usize>(
         &self,
         system: &impl System<N>,
         state: &State<N, E>,
-        t: f64,
-        h: f64,
+        (t, h): (f64, f64),
         guess: Option<[SVector<f64, N>; 2]>,
         continues: bool,
-    ) -> Result<(State<N, E>, f64), [SVector<f64, N>; 2]> {
+        next: &mut State<N, E>,
+    ) -> Result<f64, [SVector<f64, N>; 2]> {
         let (x0, temp0) = (state.x, state.temperature);
         let (fast, thermal) = (&self.fast, &self.thermal);
         let (a, m) = (fast.matrix(), thermal.matrix());
@@ -359,7 +380,7 @@ impl<const N: usize> Split<N> {
         let start = system.instant(t, &x0, &temp0);
         let slope0 = system.fast_rates_at(t, &x0, &temp0, &start);
         let n0 = slope0 - product(a, &x0);
-        let (network0, outflow0) = system.network(t, &temp0);
+        let (network0, _) = system.network(t, &temp0);
         let heat0 = system.heat_rates_at(t, &x0, &temp0, &start);
         let rate0 = network0 + heat0.component_mul(per_joule);
         let xa = fast.half(&x0, &n0);
@@ -397,59 +418,60 @@ impl<const N: usize> Split<N> {
         // Heat flow with exactly the integral of the step: Simpson's rule solved for the middle value.
         let heat1 = system.heat_rates_at(until, &x1, &temp1, &instants[2]);
         let heatm = (work.heat * (6.0 / h) - heat0 - heat1) * 0.25;
-        let flow = |network: SVector<f64, N>, heat: SVector<f64, N>| network + heat.component_mul(per_joule);
-        let (networkm, outflowm) = system.network(middle, &tempm);
-        let (network1, outflow1) = system.network(until, &temp1);
-        let warming = Forcing::through(
-            flow(network0 - product(m, &temp0), heat0),
-            flow(networkm - product(m, &tempm), heatm),
-            flow(network1 - product(m, &temp1), heat1),
-        );
+        let share = -m.tr_mul(capacity);
+        let beyond = |t: f64, temperature: &SVector<f64, N>, heat: SVector<f64, N>| {
+            let (rates, outflow) = system.network_remainder(t, temperature, m, &share);
+            (rates + heat.component_mul(per_joule), outflow)
+        };
+        let (warming0, outflow0) = beyond(t, &temp0, heat0);
+        let (warmingm, outflowm) = beyond(middle, &tempm, heatm);
+        let (warming1, outflow1) = beyond(until, &temp1, heat1);
+        let warming = Forcing::through(warming0, warmingm, warming1);
         let (half, end) = (thermal.middle(&temp0, &warming), thermal.end(&temp0, &rate0, &warming));
-        let coupling_error = (end - temp1).amax().max((half - tempm).amax());
+        let coupling_error = largest(&(end - temp1)).max(largest(&(half - tempm)));
         let settled = SENSITIVITY * coupling_error <= 0.3 * stage_tolerance;
         if continues && !settled {
             return Err([half, end]);
         }
 
         let size = x0.abs().sup(&x1.abs()).sup(&FAST_FLOOR);
-        let line_error = fast.curvature_error(&forcing).component_div(&size).amax();
+        let line_error = largest(&fast.curvature_error(&forcing).component_div(&size));
         // In a stiff block the end state depends only on the remainder at the end, which is equal for parabola and line;
         // the error estimate is the difference of the remainders at the end and at the last stage.
         let stage_error = system.fast_rates_at(until, &x1, &temp1, &instants[2]) - product(a, &x1) - nb;
         let stage_error = fast.last_stage_error(&stage_error);
-        let stage_error = stage_error.component_div(&size).amax();
+        let stage_error = largest(&stage_error.component_div(&size));
         // The integral of the heat is exact; its shape within the step only matters as far as the node relaxes over the step.
-        let thermal_error = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
+        let thermal_error = largest(&product(m, &thermal.curvature_error(&warming))) * h / THERMAL_FLOOR;
         // The heat of a transient that decays early is not a parabola, and is released before the middle.
         let shape_error = system.heat_rates_at(middle, &xm, &tempm, &instants[1]) - heatm;
-        let shape_error = (shape_error.component_mul(per_joule) * h).amax();
-        let heat_error = work.quadrature_error * per_joule.amax() / HEAT_FLOOR;
+        let shape_error = largest(&shape_error.component_mul(per_joule)) * h;
+        let heat_error = work.quadrature_error * largest(per_joule) / HEAT_FLOOR;
         let of_heat = thermal_error + heat_error + SENSITIVITY * shape_error;
         let error = line_error / line_tolerance
             + (stage_error + SENSITIVITY * coupling_error) / stage_tolerance
             + of_heat / tolerance;
         // Heat to ambient: the linear part of the frozen network from the exact integral, the rest by Simpson's rule.
-        let share = -m.tr_mul(capacity);
         let over_time = thermal.integral(&temp0, &warming);
-        let outflow = share.dot(&over_time)
-            + h / 6.0 * (outflow0 + 4.0 * outflowm + outflow1 - share.dot(&(temp0 + tempm * 4.0 + temp1)));
+        let outflow = share.dot(&over_time) + h / 6.0 * (outflow0 + 4.0 * outflowm + outflow1);
         let gained = [work.electrical, work.mechanical, outflow + work.ambient];
         let mut energy = state.energy;
         for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(&work.losses)) {
             *sum += gain;
         }
-        let integrals = StepIntegrals {
-            temperature: state.integrals.temperature + over_time,
-            aside: state.integrals.aside + work.aside,
-            outflow: state.integrals.outflow + outflow,
-        };
+        let integrals = StepIntegrals { temperature: over_time, aside: work.aside, outflow };
         let angle = state.angle + segment.integral[1];
-        let next = State { x: x1, angle, temperature: end, energy, integrals };
+        *next = State { x: x1, angle, temperature: end, energy, integrals };
         let finite = next.x.sum() + next.temperature.sum() + next.angle;
-        let sane = finite.is_finite() && next.temperature.amax() < ABSURD && !error.is_nan();
-        Ok((next, if sane { error } else { f64::INFINITY }))
+        let sane = finite.is_finite() && largest(&next.temperature) < ABSURD && !error.is_nan();
+        Ok(if sane { error } else { f64::INFINITY })
     }
+}
+
+/// The largest absolute value. NaN is not detected: it appears in the new state as well.
+#[inline(always)]
+fn largest<const N: usize>(values: &SVector<f64, N>) -> f64 {
+    values.iter().fold(0.0, |most, value| if most > value.abs() { most } else { value.abs() })
 }
 
 /// Whether a frozen matrix is still accurate: its error times the step changes the solution by less than the fraction

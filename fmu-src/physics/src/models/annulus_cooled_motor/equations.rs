@@ -79,12 +79,12 @@ pub struct Step<'a, const PLAIN: bool = false> {
     /// Ratio of the torque constant to its data sheet value at the same temperature: commutation and demagnetisation.
     strength: f64,
     /// Temperature of the conducting phases above the mean winding temperature, K.
-    excess: f64,
+    pub(super) excess: f64,
     /// The drive in drive_mode pwm.
     chopper: Chopper,
     /// Conductance of each node to its environment if the fan command is constant over the step, W/K.
     conductance: PerNode,
-    /// Rotor and housing, if there is a network.
+    /// Rotor and housing, if there is a network, else ambient.
     coupling: ThermalCoupling,
 }
 
@@ -193,7 +193,10 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
             heat.start += u.electrical_power - drive.start - stator.start;
             heat.slope += s.electrical_power - drive.slope - stator.slope;
         }
-        let drift = constants.drift;
+        let ambient = Line {
+            start: u.ambient_temperature + constants.drift * time + model.effects.ambient_offset(),
+            slope: s.ambient_temperature + constants.drift,
+        };
         let free = constants.inverse_j != 0.0;
         Step {
             model,
@@ -208,23 +211,13 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
             heat,
             stator,
             drive,
-            ambient: Line {
-                start: u.ambient_temperature + drift * time + model.effects.ambient_offset(),
-                slope: s.ambient_temperature + drift,
-            },
+            ambient,
             strength: constants.torque_factor * model.effects.torque_constant(time),
             excess: 0.0,
             chopper: Chopper::new(model, !PLAIN && constants.chops, inputs, slopes),
             conductance,
-            coupling: ThermalCoupling::default(),
+            coupling: ThermalCoupling { conductance, winding: ambient, core: ambient, rotor: none },
         }
-    }
-
-    /// The same equations with the conducting phases `excess` kelvin above the mean winding temperature.
-    #[inline]
-    pub fn with_excess(mut self, excess: f64) -> Self {
-        self.excess = excess;
-        self
     }
 
     /// Resistance at the mean winding temperature `t_w`, Ohm.
@@ -252,12 +245,10 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
         }
     }
 
-    /// The same equations with a network.
+    /// Couples the equations to a network.
     #[inline]
-    pub fn with_coupling(mut self, coupling: ThermalCoupling) -> Self {
-        self.conductance = coupling.conductance;
-        self.coupling = coupling;
-        self
+    pub fn couple(&mut self, coupling: ThermalCoupling) {
+        (self.conductance, self.coupling) = (coupling.conductance, coupling);
     }
 
     /// True ambient temperature at the start of the step, K.
@@ -358,19 +349,17 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
     #[inline(always)]
     fn leaving(&self, t: f64, temperature: &Temperatures) -> PerNode {
         let conductance = self.conductance_at(t);
-        if self.constants.has_network {
-            return PerNode {
-                winding: conductance.winding * (temperature[WINDING] - self.coupling.winding.at(t)),
-                housing: conductance.housing * (temperature[CORE] - self.coupling.core.at(t)),
-            };
+        let coupling = &self.coupling;
+        let mut leaving = PerNode {
+            winding: conductance.winding * (temperature[WINDING] - coupling.winding.at(t)),
+            housing: conductance.housing * (temperature[CORE] - coupling.core.at(t)),
+        };
+        if !(PLAIN || self.constants.has_network) {
+            let (effects, t_h) = (self.ports(), temperature[CORE]);
+            leaving.housing +=
+                effects.housing_to_ambient(t_h, self.ambient.at(t)) - effects.housing_heat(t_h);
         }
-        let ambient = self.ambient.at(t);
-        PerNode {
-            winding: conductance.winding * (temperature[WINDING] - ambient),
-            housing: conductance.housing * (temperature[CORE] - ambient)
-                + self.ports().housing_to_ambient(temperature[CORE], ambient)
-                - self.ports().housing_heat(temperature[CORE]),
-        }
+        leaving
     }
 
     /// Stored energy, J: magnetic and kinetic unless imposed, and heat above the temperature `origin`, K.

@@ -114,14 +114,16 @@ impl AnnulusCooledMotor {
     pub(super) fn equations(&self) -> Step<'_> {
         let is_kept = self.own.network.is_some() || self.own.fan.0 == self.inputs.fan_command;
         let fan = if is_kept { self.own.fan.1 } else { self.parameters.to_ambient(self.inputs.fan_command) };
-        let step =
-            Step::new(&self.parameters, &self.own.constants, &self.inputs, &self.slopes, fan, self.time)
-                .with_excess(self.excess());
-        let step = match &self.pre {
-            Some(pre) => step.with_strength_since(pre.since).with_open_switches(pre.discrete.idle),
-            None => step,
-        };
-        if self.own.network.is_some() { step.with_coupling(self.coupling()) } else { step }
+        let mut step =
+            Step::new(&self.parameters, &self.own.constants, &self.inputs, &self.slopes, fan, self.time);
+        step.excess = self.excess();
+        if let Some(pre) = &self.pre {
+            step = step.with_strength_since(pre.since).with_open_switches(pre.discrete.idle);
+        }
+        if self.own.network.is_some() {
+            step.couple(self.coupling());
+        }
+        step
     }
 
     /// Stored energy, J.

@@ -68,22 +68,21 @@ impl AnnulusCooledMotor {
         self.follow_cooling();
         let excess = self.mean_excess(h);
         let inputs = [&self.inputs, &self.slopes];
-        let step = Step::<PLAIN>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time)
-            .with_excess(excess);
-        let before = self.own.state;
+        let mut step = Step::<PLAIN>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time);
+        step.excess = excess;
+        let (state, mut next) = (&self.own.state, self.own.state);
         self.own
             .split
-            .advance(&step, &mut self.own.state, h)
+            .advance(&step, &mut next, h)
             .map_err(|step_failure| self.step_failure(time, step_failure.t, step_failure.h))?;
-        let phases = self.own.phases.over(&step, [&before, &self.own.state], h, &self.parameters);
-        let [winding, core] = [self.own.state.temperature[0], self.own.state.temperature[1]];
+        let phases = self.own.phases.over(&step, [state, &next], h, &self.parameters);
+        let [winding, core] = [next.temperature[0], next.temperature[1]];
         let extremes =
             Extremes { winding: winding + phases.hottest(), magnets: core, lowest: winding.min(core) };
         if self.own.constants.limits().are_passed(&extremes) {
-            self.own.state = before;
             return Err(Halt::Limit);
         }
-        self.own.phases = phases;
+        (self.own.state, self.own.phases) = (next, phases);
         self.arrive(time + h, h);
         Ok(())
     }
@@ -170,9 +169,9 @@ impl AnnulusCooledMotor {
         let fan_conductance = fan_conductance(p, middle.fan_command);
         let start = coupling(network, fan_conductance, ambient, None);
         let none = PerNode::default();
-        let step = Step::<PLAIN>::of(p, constants, [&self.inputs, &self.slopes], none, time)
-            .with_excess(excess)
-            .with_coupling(start);
+        let mut step = Step::<PLAIN>::of(p, constants, [&self.inputs, &self.slopes], none, time);
+        step.excess = excess;
+        step.couple(start);
         let friction = step.drag_beyond(&state.x, &state.temperature);
         let inflow = network.inflow(t_w, t_core, friction);
         let mut rates = network.rates_now(ambient.start, &inflow);
@@ -182,7 +181,7 @@ impl AnnulusCooledMotor {
             rates = network.rates_now(ambient.start, &inflow);
         }
 
-        let step = step.with_coupling(coupling(network, fan_conductance, ambient, Some(&rates)));
+        step.couple(coupling(network, fan_conductance, ambient, Some(&rates)));
         let mut next = state;
         if let Err(step_failure) = split.advance(&step, &mut next, h) {
             return Err(self.step_failure(time, step_failure.t, step_failure.h).into());

@@ -1,12 +1,13 @@
 //! Interface of a model to the split integrator.
 
+use crate::solver::phi::product;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Current, A, and speed, rad/s.
 pub type Fast = Vector2<f64>;
 
 /// Interface of a model to the integrator. Times are seconds since the start of the communication step.
-pub trait System<const N: usize> {
+pub trait System<const N: usize>: Sized {
     /// Intermediate results at one instant, shared by rates, heat and work.
     type Instant: Copy;
     /// Intermediate results at an instant.
@@ -24,6 +25,21 @@ pub trait System<const N: usize> {
     /// Derivatives of the temperatures by conduction, convection and radiation only, K/s, and the heat flow out of the nodes
     /// to their environment, W.
     fn network(&self, t: f64, temperature: &SVector<f64, N>) -> (SVector<f64, N>, f64);
+    /// Whether the network is linear, with a matrix that is constant over a step.
+    const IS_NETWORK_LINEAR: bool = false;
+    /// What remains of [`network`](Self::network) without `matrix` and the heat flow of `share`, W/K, out of the nodes; `matrix` is
+    /// exact if the network is linear.
+    #[inline(always)]
+    fn network_remainder(
+        &self,
+        t: f64,
+        temperature: &SVector<f64, N>,
+        matrix: &SMatrix<f64, N, N>,
+        share: &SVector<f64, N>,
+    ) -> (SVector<f64, N>, f64) {
+        let (rates, outflow) = self.network(t, temperature);
+        (rates - product(matrix, temperature), outflow - share.dot(temperature))
+    }
     /// Derivatives of the temperatures by conduction, convection and radiation only, K/s.
     #[inline]
     fn network_rates(&self, t: f64, temperature: &SVector<f64, N>) -> SVector<f64, N> {

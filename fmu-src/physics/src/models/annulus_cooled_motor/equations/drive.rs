@@ -10,7 +10,7 @@
 
 use super::Step;
 use crate::components::chopper::ZeroDuty;
-use crate::effects::{Effects, Port};
+use crate::effects::Port;
 use crate::line::Line;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, Inputs};
@@ -65,12 +65,6 @@ impl Chopper {
         if e.abs() <= limit { (e, 1.0) } else { (limit.copysign(e), 0.0) }
     }
 
-    /// Mean square of the current ripple after `t` seconds, A2.
-    #[inline]
-    pub fn ripple_square(&self, t: f64, effects: &Effects, inductance: f64) -> f64 {
-        if self.loses { effects.ripple_square(self.duty.at(t), self.supply.at(t), inductance) } else { 0.0 }
-    }
-
     /// Whether the terminal voltage of this motor's drive differs from duty times supply voltage.
     pub fn acts(model: &Parameters) -> bool {
         let pwm = model.choices.drive_mode == DriveMode::Pwm;
@@ -88,19 +82,25 @@ impl<const PLAIN: bool> Step<'_, PLAIN> {
     /// Whether the drive has losses.
     #[inline]
     pub(super) fn loses(&self) -> bool {
-        self.chopper.loses
+        !PLAIN && self.chopper.loses
+    }
+
+    /// Whether all switches are open.
+    #[inline(always)]
+    pub(super) fn coasts(&self) -> bool {
+        !PLAIN && self.chopper.coasts
     }
 
     /// Bridge voltage drop at the current `i`, V; it becomes heat.
     #[inline]
     pub(super) fn bridge(&self, i: f64) -> f64 {
-        if self.chopper.loses { self.model.effects.bridge_voltage(i) } else { 0.0 }
+        if self.loses() { self.model.effects.bridge_voltage(i) } else { 0.0 }
     }
 
     /// Source voltage `t` seconds after the start of the step, V; `e` is the back-EMF, which is the voltage with open switches.
     #[inline(always)]
     pub(super) fn source(&self, t: f64, e: f64) -> f64 {
-        if self.chopper.coasts {
+        if self.coasts() {
             self.chopper.open_voltage(t, e).0
         } else if PLAIN {
             self.voltage.at(t)
@@ -112,31 +112,35 @@ impl<const PLAIN: bool> Step<'_, PLAIN> {
     /// Supply voltage that dead time reduces, V; zero with open switches.
     #[inline]
     pub(super) fn chopped(&self, t: f64) -> f64 {
-        if self.chopper.coasts { 0.0 } else { self.chopper.supply(t) }
+        if self.coasts() { 0.0 } else { self.chopper.supply(t) }
     }
 
     /// Voltage loss by dead time at the current `i`, V.
     #[inline]
     pub(super) fn missed(&self, t: f64, i: f64) -> f64 {
-        if self.chopper.loses { self.model.effects.missed_voltage(i, self.chopped(t)) } else { 0.0 }
+        if self.loses() { self.model.effects.missed_voltage(i, self.chopped(t)) } else { 0.0 }
     }
 
     /// Derivative of bridge voltage drop and dead-time loss with respect to the current, Ohm.
     #[inline]
     pub(super) fn drive_slope(&self, t: f64, i: f64) -> f64 {
-        if self.chopper.loses { self.model.effects.drive_voltage_slope(i, self.chopped(t)) } else { 0.0 }
+        if self.loses() { self.model.effects.drive_voltage_slope(i, self.chopped(t)) } else { 0.0 }
     }
 
     /// Mean square of the current ripple, A2.
     #[inline]
     pub(super) fn ripple_square(&self, t: f64) -> f64 {
-        self.chopper.ripple_square(t, &self.model.effects, self.model.motor.L)
+        if !self.loses() {
+            return 0.0;
+        }
+        let chopper = &self.chopper;
+        self.model.effects.ripple_square(chopper.duty.at(t), chopper.supply.at(t), self.model.motor.L)
     }
 
     /// Copper loss of the current ripple at the winding temperature `t_w`, W.
     #[inline(always)]
     pub(super) fn ripple_loss(&self, t: f64, t_w: f64) -> f64 {
-        if self.chopper.loses { self.resistance(t_w) * self.ripple_square(t) } else { 0.0 }
+        if self.loses() { self.resistance(t_w) * self.ripple_square(t) } else { 0.0 }
     }
 
     /// The same equations with the switch state of the last event.

@@ -3,6 +3,7 @@
 use super::{CORE, NODES, Step, Temperatures, WINDING};
 use crate::effects::Port;
 use crate::line::Line;
+use crate::solver::phi::product;
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 
@@ -51,7 +52,7 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
         };
         let (l, j) = (self.constants.inverse_l, self.constants.inverse_j);
         // With open switches the terminal voltage depends on the back-EMF.
-        let followed = if self.chopper.coasts { self.chopper.open_voltage(t, k * x[1]).1 } else { 0.0 };
+        let followed = if self.coasts() { self.chopper.open_voltage(t, k * x[1]).1 } else { 0.0 };
         Matrix2::new(-r * l, -k * l * (1.0 - followed), k * j, -slope * j)
     }
 
@@ -62,6 +63,28 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
         let leaving = self.leaving(t, temperature);
         let gain = Temperatures::new(-across - leaving.winding, across - leaving.housing);
         (gain.component_mul(&self.constants.inverse_capacity), leaving.winding + leaving.housing)
+    }
+
+    const IS_NETWORK_LINEAR: bool = PLAIN;
+
+    #[inline(always)]
+    fn network_remainder(
+        &self,
+        t: f64,
+        temperature: &Temperatures,
+        matrix: &SMatrix<f64, NODES, NODES>,
+        share: &Temperatures,
+    ) -> (Temperatures, f64) {
+        if !PLAIN {
+            let (rates, outflow) = self.network(t, temperature);
+            return (rates - product(matrix, temperature), outflow - share.dot(temperature));
+        }
+        let conductance = self.conductance_at(t);
+        let entering = Temperatures::new(
+            conductance.winding * self.coupling.winding.at(t),
+            conductance.housing * self.coupling.core.at(t),
+        );
+        (entering.component_mul(&self.constants.inverse_capacity), -entering.sum())
     }
 
     #[inline(always)]
@@ -147,7 +170,7 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
             (air_gap, air_gap - friction)
         };
         let mut load = 0.0;
-        if !PLAIN && self.constants.acts.at(Port::PowerModeLoad) {
+        if effects.acts.at(Port::PowerModeLoad) {
             let error_of_load;
             (load, error_of_load) = against([x0, xm, x1].map(|x| self.power_mode_torque(x[1])), 1);
             quadrature_error += error_of_load;
@@ -164,13 +187,17 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
         // R i^2: the end value of R times the integral of i^2, plus Simpson's rule for the deviation of R from its end value.
         let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
         let heating = |n: usize| (r(n) - r(2)) * segment.x[n][0] * segment.x[n][0];
-        let (drop, error_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
-        quadrature_error += error_of_drop;
+        let mut drop = 0.0;
+        if effects.acts.at(Port::TerminalVoltage) {
+            let error_of_drop;
+            (drop, error_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
+            quadrature_error += error_of_drop;
+        }
         let (copper, electrical) = if self.is_voltage_driven() {
             let copper = r(2) * segment.square + simpson(heating(0), heating(1), 0.0) + drop;
             quadrature_error += r(2) * segment.error_of_square;
             let mut supplied = line(&self.voltage, 0);
-            if self.chopper.coasts {
+            if self.coasts() {
                 let open = [0, 1, 2].map(|n| self.source(at[n], k_t(n) * segment.x[n][1]));
                 let error_of_open;
                 (supplied, error_of_open) = against(open, 0);
@@ -210,6 +237,6 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
     #[inline]
     fn bends_where_stiff(&self) -> bool {
         // The contact voltage drop changes sign within milliamperes, which the current crosses in microseconds.
-        self.ports().acts.at(Port::TerminalVoltage) || self.chopper.loses || self.chopper.coasts
+        self.ports().acts.at(Port::TerminalVoltage) || self.loses() || self.coasts()
     }
 }
