@@ -7,6 +7,7 @@
 //! 4. If a latent input explains a residual that no present value of a driver explains, the effect depends on history.
 //! 5. The test runs are evaluated.
 
+mod judgement;
 mod stepwise;
 
 use crate::CalibrateError;
@@ -14,13 +15,15 @@ use crate::deadline::Deadline;
 use crate::estimates;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
-use crate::hypothesis::Hypothesis;
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::search::{Scored, best_memory_term, latent_input_at, search};
 use crate::selection::{Candidate, Round, acting};
 use crate::separate::separate;
 use crate::setup::Setup;
+use crate::undeclared::better_than_effects;
+use judgement::BOXES;
+pub use judgement::Judgement;
 use physics::terms::Port;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -62,12 +65,42 @@ pub fn run(
     progress(0.0, "fitting the declared parameters");
     let deadline = options.budget.map_or_else(Deadline::default, Deadline::after);
     let setup = Setup::new(experiment, preset)?.until(deadline.clone());
+    let outcome = closed(&setup, options, begun, progress)?;
+    // With the effects that were found, the values of the preset may be right: the parameters stood in for the effects.
+    let setup = setup.without(&outcome.stood_in());
+    let time = rest(options, begun, 1.0);
+    let outcome = if setup.kept.is_empty() || time.is_near() {
+        outcome
+    } else {
+        progress(0.5, "values of the preset are right beside what was found; looking again");
+        let again = closed(&setup.until(time), options, begun, progress);
+        again.ok().filter(|again| !again.is_cut).unwrap_or(outcome)
+    };
+    progress(1.0, outcome.verdict.name());
+    Ok(Outcome { seconds: begun.elapsed().as_secs_f64(), ..outcome })
+}
+
+/// Deadline after a part of what is left of the time budget.
+fn rest(options: Options, begun: Instant, part: f64) -> Deadline {
+    let rest = options.budget.map(|budget| budget.saturating_sub(begun.elapsed()).mul_f64(part));
+    rest.map_or_else(Deadline::default, Deadline::after)
+}
+
+/// The search, or two if the runs disagree.
+fn closed(
+    setup: &Setup,
+    options: Options,
+    begun: Instant,
+    progress: &dyn Fn(f64, &str),
+) -> Result<Outcome, CalibrateError> {
+    let setup = setup.clone();
+    let deadline = setup.deadline().clone();
     let plain = setup.refit(&setup.runs(Role::Fit));
     let other = match &plain {
         Ok(plain) if !deadline.is_near() => setup.between_runs(plain, &setup.runs(Role::Fit))?,
         _ => None,
     };
-    let closed = match other {
+    match other {
         None => attempt(setup, plain, options, progress),
         // Fit only, or the fit runs themselves refute the plain fit, which then is no starting point for a search.
         Some(other) if options.fit_only || other.is_plain_refuted => {
@@ -75,20 +108,13 @@ pub fn run(
         }
         // An effect that acts only in some runs also makes runs disagree.
         Some(other) => {
-            let end = |part: f64| {
-                let rest = options.budget.map(|budget| budget.saturating_sub(begun.elapsed()).mul_f64(part));
-                rest.map_or_else(Deadline::default, Deadline::after)
-            };
             // A model that cannot be simulated in all runs is discarded.
-            let found = attempt(setup.until(end(FIRST)), plain, options, progress).ok();
-            let next = attempt(other.setup.until(end(1.0)), Ok(other.fitted), options, progress)?;
+            let found = attempt(setup.until(rest(options, begun, FIRST)), plain, options, progress).ok();
+            let next =
+                attempt(other.setup.until(rest(options, begun, 1.0)), Ok(other.fitted), options, progress)?;
             Ok(found.filter(|found| !found.effects.is_empty() && left(found) <= left(&next)).unwrap_or(next))
         }
-    };
-    let mut outcome = closed?;
-    outcome.seconds = begun.elapsed().as_secs_f64();
-    progress(1.0, outcome.verdict.name());
-    Ok(outcome)
+    }
 }
 
 /// Misfit in the fit and validation runs: sum of the log error variances of the outputs (normal density at the best variance).
@@ -112,6 +138,7 @@ fn attempt<'a>(
     progress: &dyn Fn(f64, &str),
 ) -> Result<Outcome, CalibrateError> {
     let deadline = setup.deadline().clone();
+    let measured = setup.noise.clone();
     setup.structure = Arc::default();
     let for_boxes = options.budget.map_or(BOXES.0, |budget| budget.mul_f64(BOXES.1));
     let fit = setup.runs(Role::Fit);
@@ -137,6 +164,12 @@ fn attempt<'a>(
             search => Some(search?),
         };
         is_cut = looked.is_none();
+    }
+    if let Some(search_of) = &looked
+        && let Some(mut released) = better_than_effects(&search_of.first, &search_of.scored[0])?
+    {
+        released.setup.noise = measured;
+        return attempt(released.setup, Ok(released.fitted), options, progress);
     }
     let Some(mut search_of) = looked else {
         deadline.lift();
@@ -193,51 +226,6 @@ struct Search<'a> {
     is_cut: bool,
     /// The memory term, if the residual needs one in addition to the present values of all drivers.
     remembered: Option<Scored>,
-}
-
-/// Result of a search.
-pub struct Judgement<'a> {
-    /// The verdict.
-    pub verdict: Verdict,
-    /// The model, linearised; `None` if it is the naive fit.
-    pub point: Option<Linearization<'a>>,
-    /// The model with the runs in which each addition is active, including held-out runs.
-    pub hypothesis: Hypothesis,
-    /// Added effects, without the final parameter values.
-    pub effects: Vec<Found>,
-    /// Residual without an identified law.
-    pub unexplained: Option<Unexplained>,
-    /// With an unexplained residual: the model whose parameters are estimated jointly with a latent input at its port.
-    pub beside: Option<(Linearization<'a>, Port)>,
-    /// Ports to which the residual was attributed.
-    pub localised: Vec<Localised>,
-    /// The candidate table.
-    pub candidate_table: Vec<Evidence>,
-    /// Warnings.
-    pub notes: Vec<String>,
-    /// Time for the black boxes.
-    pub time_for_boxes: Duration,
-}
-
-/// Time for the black boxes: an absolute value without a budget, otherwise a fraction of the budget.
-const BOXES: (Duration, f64) = (Duration::from_secs(60), 0.15);
-
-impl Judgement<'_> {
-    /// A verdict on a model without additions.
-    fn of(verdict: Verdict, point: &Linearization) -> Self {
-        Judgement {
-            verdict,
-            time_for_boxes: BOXES.0,
-            point: None,
-            hypothesis: point.fitted.hypothesis.clone(),
-            effects: Vec::new(),
-            unexplained: None,
-            beside: None,
-            localised: Vec::new(),
-            candidate_table: Vec::new(),
-            notes: Vec::new(),
-        }
-    }
 }
 
 impl<'a> Search<'a> {

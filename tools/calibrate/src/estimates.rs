@@ -78,6 +78,15 @@ pub fn outcome(
             ));
         }
     }
+    for (d, value) in setup.declared.iter().zip(&hypothesis.declared).filter(|(d, _)| d.is_released) {
+        notes.push(format!(
+            "{name} has no prior, but its value {prior:.4} {unit} in the preset contradicts the data, and no effect explains them better \
+             than another value: {value:.4} {unit} was estimated; add {name} to [prior], or to [set] if its value is known",
+            name = d.name,
+            prior = d.prior,
+            unit = d.unit
+        ));
+    }
     let mut effects = judged.effects;
     let declared = setup.declared.len();
     let mut rest = estimates_of[declared..].iter();
@@ -198,6 +207,7 @@ pub fn outcome(
         effects,
         unexplained: judged.unexplained,
         parameters: estimates_of[..common].to_vec(),
+        released: setup.declared.iter().filter(|d| d.is_released).map(|d| d.name.clone()).collect(),
         of_runs,
         refit: naive,
         correlated,

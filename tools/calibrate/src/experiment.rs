@@ -120,6 +120,8 @@ pub struct Experiment {
     pub set: Vec<(String, f64)>,
     /// Parameters that may be fitted.
     pub priors: Vec<Prior>,
+    /// Those of them that the file does not mention: their values in the preset contradict the data.
+    pub released: Vec<String>,
     /// Standard deviation of the noise of columns, in the column's unit, where the experiment declares it.
     pub noise: BTreeMap<&'static str, f64>,
     /// The runs.
@@ -319,6 +321,7 @@ impl Experiment {
             outputs,
             set,
             priors,
+            released: Vec::new(),
             noise,
             runs,
             notes,

@@ -52,6 +52,7 @@ pub mod simulate;
 pub mod tangent;
 #[cfg(test)]
 mod testing;
+mod undeclared;
 
 /// Reason why an experiment is rejected: one sentence with file and, if applicable, line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -292,7 +292,11 @@ impl<'a> Linearization<'a> {
     pub fn simulated_column(&self, addition: &Addition) -> Option<DMatrix<f64>> {
         let mut larger = self.fitted.hypothesis.clone();
         larger.additions.push(addition.clone());
-        let shown: Vec<Shown> = self.setup.show(&larger, &self.runs).ok()?;
+        self.difference_column(&self.setup.show(&larger, &self.runs).ok()?)
+    }
+
+    /// Column of the difference between outputs simulated in these runs and those of the fitted model.
+    pub fn difference_column(&self, shown: &[Shown]) -> Option<DMatrix<f64>> {
         self.columns(1, |r, _| {
             Some(Some(shown[r].iter().zip(&self.fitted.shown[r]).map(|(a, b)| a - b).collect()))
         })

@@ -251,6 +251,8 @@ pub struct Outcome {
     pub unexplained: Option<Unexplained>,
     /// Declared parameters of the repaired model.
     pub parameters: Vec<Estimate>,
+    /// Those of them that have no prior in the experiment.
+    pub released: Vec<String>,
     /// Declared parameters of the fit without added effects.
     pub refit: Vec<Estimate>,
     /// Unknowns of single runs, with the file.
@@ -283,4 +285,13 @@ pub struct Outcome {
     pub boxes: Vec<BlackBox>,
     /// Wall time, s.
     pub seconds: f64,
+}
+
+impl Outcome {
+    /// Parameters without prior whose 95 % intervals contain the values of the preset, if effects were found.
+    pub fn stood_in(&self) -> Vec<String> {
+        let keeps = |p: &&Estimate| p.ci95.0 <= p.prior && p.prior <= p.ci95.1;
+        let own = self.parameters.iter().filter(|p| self.released.contains(&p.name)).filter(keeps);
+        own.filter(|_| !self.effects.is_empty()).map(|p| p.name.clone()).collect()
+    }
 }

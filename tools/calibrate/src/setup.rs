@@ -8,7 +8,7 @@ use crate::noise;
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
 use nalgebra::DMatrix;
-use physics::model::Slot;
+use physics::model::{Entry, Slot};
 use physics::terms::Drivers;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
@@ -45,9 +45,33 @@ pub struct Declared {
     pub unit: &'static str,
     /// Whether the prior is ignored: for a parameter uncertain by a factor, no deviation from the preset contradicts the data.
     pub is_free: bool,
+    /// Whether it has no prior in the experiment (`undeclared.rs`).
+    pub is_released: bool,
 }
 
 impl Declared {
+    /// A parameter that applies in all runs.
+    pub fn new(entry: &Entry, prior: f64, deviation: f64) -> Declared {
+        let mut limits = (entry.row.min, entry.row.max);
+        // Limits of a parameter that cannot be zero: ten standard deviations of its logarithm; less is no plausible capacity of a motor.
+        let relative = deviation / prior.abs();
+        if prior > 0.0 && limits.0 > 0.0 && relative > WIDE && relative < HARDLY {
+            let factor = (1.0 + relative).powf(FAR);
+            limits = (limits.0.max(prior / factor), limits.1.min(prior * factor));
+        }
+        Declared {
+            name: entry.name.clone(),
+            runs: None,
+            slot: entry.slot,
+            prior,
+            deviation,
+            limits,
+            unit: entry.row.unit.name(),
+            is_free: false,
+            is_released: false,
+        }
+    }
+
     /// Whether it applies in a run.
     pub fn acts_in(&self, run: usize) -> bool {
         self.runs.as_ref().is_none_or(|runs| runs.contains(&run))
@@ -87,6 +111,8 @@ pub struct Setup<'a> {
     pub driven: Arc<Vec<Drive>>,
     /// Parameters that may be fitted.
     pub declared: Vec<Declared>,
+    /// Parameters without prior that are not estimated, because their values in the preset are right.
+    pub kept: Vec<String>,
     /// Standard deviations of the noise: inputs, then outputs.
     pub noise: Vec<f64>,
     /// Part of the outputs' noise due to disagreement between runs; empty if there is none.
@@ -128,24 +154,9 @@ impl<'a> Setup<'a> {
                 own.and_then(|run| run.set.iter().find(|(name, _)| *name == p.name)).map(|(_, value)| *value);
             let prior = set.unwrap_or_else(|| bench.start_of(entry.slot));
             let deviation = p.deviation.of(prior, entry.row.nominal);
-            let mut limits = (entry.row.min, entry.row.max);
-            // Limits of a parameter that cannot be zero: ten standard deviations of its logarithm; less is no plausible capacity of a
-            // motor.
-            let relative = deviation / prior.abs();
-            if prior > 0.0 && limits.0 > 0.0 && relative > WIDE && relative < HARDLY {
-                let factor = (1.0 + relative).powf(FAR);
-                limits = (limits.0.max(prior / factor), limits.1.min(prior * factor));
-            }
-            Ok(Declared {
-                name: own.map_or_else(|| p.name.clone(), |run| format!("{} [{}]", p.name, run.file)),
-                runs,
-                slot: entry.slot,
-                prior,
-                deviation,
-                limits,
-                unit: entry.row.unit.name(),
-                is_free: false,
-            })
+            let name = own.map_or_else(|| p.name.clone(), |run| format!("{} [{}]", p.name, run.file));
+            let is_released = experiment.released.contains(&p.name);
+            Ok(Declared { name, runs, is_released, ..Declared::new(entry, prior, deviation) })
         });
         let declared = declared.collect::<Result<Vec<_>, CalibrateError>>()?;
         let noise = noise::of_experiment(experiment);
@@ -166,6 +177,7 @@ impl<'a> Setup<'a> {
             driven: Arc::clone(&smooth),
             smooth,
             declared,
+            kept: Vec::new(),
             noise,
             between: Vec::new(),
             remembered: Vec::new(),

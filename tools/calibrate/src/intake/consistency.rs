@@ -20,17 +20,26 @@
 //! contradictory only if the minimum of the former is [`WORSE`] times that of the latter: no values within the priors explain the data as
 //! well.
 //!
+//! Before that, parameters without prior get one if their values in the preset contradict the data (`undeclared.rs`). Since a mistake may
+//! stand beside them, the evidence counts for errors of the size above and for errors of unknown size: C the cost, n the number of
+//! independent readings,
+//!
+//! evidence = min(C - C', n ln (C / C')) - ln n                                                       (3)
+//!
 //! *Source*: parameter bounds and residuals for fault isolation: Isermann, Fault-Diagnosis Systems (2006), ch. 9; likelihood ratio of
 //! hypotheses: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
 
+mod cost;
 mod mistakes;
 mod unmeasured;
 
-use super::{Unusable, sorted, structured};
+use super::{Unusable, sorted};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Experiment, Role, Start};
+use crate::experiment::{Experiment, Start};
 use crate::hypothesis::Hypothesis;
+use crate::selection::LEAST;
+use cost::{Cost, fitted};
 use mistakes::{Mistake, mistakes};
 use physics::declare::Unit;
 use std::time::Duration;
@@ -193,32 +202,49 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
     thin
 }
 
-/// Reason why the data contradict the model, over all runs or in one file; otherwise the fit of the data as they are.
+/// Reason why the data contradict the model, over all runs or in one file; otherwise the fit of the data as they are. Parameters without
+/// a prior whose values in the preset contradict the data get one.
 ///
 /// # Errors
 /// An experiment whose model cannot be set up.
 pub fn contradiction(
-    experiment: &Experiment,
+    experiment: &mut Experiment,
     preset: &[(u32, f64)],
 ) -> Result<Result<Option<Hypothesis>, Unusable>, CalibrateError> {
     let all: Vec<usize> = super::all_runs(experiment);
-    let experiment = &thinned(experiment, ROWS);
+    let mut thin = thinned(experiment, ROWS);
     let mut whole = Judge { preset, runs: &all, deadline: Deadline::default() };
-    let Cost { runs: costs, prior, is_cut, hypothesis, .. } = fitted(&whole, experiment, AS_IS)?;
+    let mut as_is = fitted(&whole, &thin, AS_IS)?;
+    while !as_is.is_cut
+        && !as_is.bad_runs().is_empty()
+        && let Some((other, better)) = cost::released(&whole, &thin, AS_IS)?
+        && as_is.evidence(&better) > LEAST
+    {
+        (as_is, thin) = (better, other);
+    }
     // The time limit starts here: after a long fit no time would be left for the hypotheses on inputs.
     whole.deadline = Deadline::after(SEARCH);
+    let bad = as_is.bad_runs();
+    let unusable = if bad.is_empty() || as_is.is_cut { None } else { mistaken(&whole, &thin, &bad)? };
+    experiment.priors = thin.priors;
+    experiment.released = thin.released;
     // Strained parameters may compensate for a failed sensor.
-    let hypothesis = hypothesis.filter(|_| prior <= STRAINED);
-    let limit = GOOD * GOOD * SAMPLES * experiment.outputs.len() as f64;
-    let bad: Vec<usize> = all.iter().copied().filter(|r| costs[*r] > limit || prior > STRAINED).collect();
-    if bad.is_empty() || is_cut {
-        return Ok(Ok(hypothesis));
-    }
+    let hypothesis = as_is.hypothesis.filter(|_| as_is.prior <= STRAINED);
+    Ok(unusable.map_or(Ok(hypothesis), Err))
+}
+
+/// The mistake in the columns of all runs, or in those of one file.
+fn mistaken(
+    whole: &Judge,
+    experiment: &Experiment,
+    bad: &[usize],
+) -> Result<Option<Unusable>, CalibrateError> {
+    let (all, preset) = (whole.runs, whole.preset);
     let predicted = whole.predicted(experiment);
     if 2 * bad.len() > all.len()
-        && let Some(unusable) = search(&whole, experiment, &predicted, "every run")?
+        && let Some(unusable) = search(whole, experiment, &predicted, "every run")?
     {
-        return Ok(Err(unusable));
+        return Ok(Some(unusable));
     }
     // One of several loggers may be wrong: each file is checked separately.
     let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
@@ -233,10 +259,10 @@ pub fn contradiction(
         let judge = Judge { preset, runs, deadline: deadline.clone() };
         let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
         if let Some(unusable) = search(&judge, experiment, &own, file)? {
-            return Ok(Err(unusable));
+            return Ok(Some(unusable));
         }
     }
-    Ok(Ok(hypothesis))
+    Ok(None)
 }
 
 /// The combination of mistakes that gives the best agreement with the model, if no parameter values within the priors explain the
@@ -439,58 +465,4 @@ fn any_factor(judge: &Judge, experiment: &Experiment) -> Vec<Changed> {
         found.extend(best.map(|(_, one)| one));
     }
     found
-}
-
-/// Minimum of the cost over the declared parameters: by output, and of the priors.
-struct Cost {
-    outputs: Vec<f64>,
-    prior: f64,
-    /// Cost of each run of the experiment, fitted or not.
-    runs: Vec<f64>,
-    /// Whether the time limit ended the fit before convergence.
-    is_cut: bool,
-    /// Parameters at the minimum; `None` if the model cannot be run.
-    hypothesis: Option<Hypothesis>,
-}
-
-impl Cost {
-    fn whole(&self) -> f64 {
-        self.outputs.iter().sum::<f64>() + self.prior
-    }
-
-    /// Whether the cost is worse in those outputs in which the two differ. The other outputs may lack an unrelated effect.
-    fn is_worse_than(&self, other: &Cost) -> bool {
-        let pairs =
-            self.outputs.iter().zip(&other.outputs).filter(|(own, other)| (*own - *other).abs() > CHANGED);
-        let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
-        own > WORSE.0 * meant && self.whole() > other.whole() + WORSE.1
-    }
-}
-
-/// Cost at the best values of the declared parameters, with structure errors as noise.
-fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost, CalibrateError> {
-    let fit: Vec<usize> =
-        judge.runs.iter().copied().filter(|r| experiment.runs[*r].role == Role::Fit).collect();
-    let runs = if fit.is_empty() { judge.runs.to_vec() } else { fit };
-    let setup = structured(experiment, judge.preset, &runs)?.until(Deadline::after(time));
-    let all = super::all_runs(experiment);
-    let cost = setup.refit(&runs).and_then(|fitted| {
-        let shown = setup.show(&fitted.hypothesis, &all)?;
-        let of = |r: &usize| setup.chi_square(&[*r], &shown[*r..=*r]).0;
-        Ok(Cost {
-            outputs: setup.chi_squares(&runs, &fitted.shown),
-            prior: fitted.cost - fitted.chi_square,
-            runs: all.iter().map(of).collect(),
-            is_cut: setup.deadline().is_near(),
-            hypothesis: Some(fitted.hypothesis),
-        })
-    });
-    // A model that cannot be simulated explains no data.
-    Ok(cost.unwrap_or_else(|_| Cost {
-        outputs: vec![f64::MAX; setup.outputs()],
-        prior: 0.0,
-        runs: vec![f64::INFINITY; all.len()],
-        is_cut: setup.deadline().is_near(),
-        hypothesis: None,
-    }))
 }

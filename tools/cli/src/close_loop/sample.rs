@@ -108,6 +108,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         verdict,
         effects,
         unexplained,
+        released: Vec::new(),
         parameters: vec![
             estimate("motor.R_ref", 0.391, 0.002, 0.386, "Ohm"),
             estimate("thermal.C_w", 9.8, f64::NAN, 10.05, "J/K"),

@@ -1,0 +1,118 @@
+//! Minimum over the declared parameters of the deviation of data and model, with structure error as noise.
+
+use super::super::{all_runs, structured};
+use super::{CHANGED, GOOD, Judge, SAMPLES, STRAINED, WORSE};
+use crate::CalibrateError;
+use crate::deadline::Deadline;
+use crate::experiment::{Deviation, Experiment, Prior, Role};
+use crate::fit::Fitted;
+use crate::hypothesis::Hypothesis;
+use crate::linearization::Linearization;
+use crate::selection::LEAST;
+use crate::setup::Setup;
+use crate::undeclared;
+use std::time::Duration;
+
+/// Minimum of the cost over the declared parameters: by output, and of the priors.
+pub(super) struct Cost {
+    outputs: Vec<f64>,
+    /// Number of fitted runs.
+    fitted: usize,
+    pub(super) prior: f64,
+    /// Cost of each run of the experiment, fitted or not.
+    runs: Vec<f64>,
+    /// Whether the time limit ended the fit before convergence.
+    pub(super) is_cut: bool,
+    /// Parameters at the minimum; `None` if the model cannot be run.
+    pub(super) hypothesis: Option<Hypothesis>,
+}
+
+impl Cost {
+    fn new(setup: &Setup, fitted: Fitted, runs: &[usize]) -> Result<Cost, CalibrateError> {
+        let all = all_runs(setup.experiment);
+        let shown = setup.show(&fitted.hypothesis, &all)?;
+        Ok(Cost {
+            outputs: setup.chi_squares(runs, &fitted.shown),
+            fitted: runs.len(),
+            prior: fitted.cost - fitted.chi_square,
+            runs: all.iter().map(|r| setup.chi_square(&[*r], &shown[*r..=*r]).0).collect(),
+            is_cut: setup.deadline().is_near(),
+            hypothesis: Some(fitted.hypothesis),
+        })
+    }
+
+    pub(super) fn whole(&self) -> f64 {
+        self.outputs.iter().sum::<f64>() + self.prior
+    }
+
+    /// Whether the cost is worse in those outputs in which the two differ. The other outputs may lack an unrelated effect.
+    pub(super) fn is_worse_than(&self, other: &Cost) -> bool {
+        let pairs =
+            self.outputs.iter().zip(&other.outputs).filter(|(own, other)| (*own - *other).abs() > CHANGED);
+        let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
+        own > WORSE.0 * meant && self.whole() > other.whole() + WORSE.1
+    }
+
+    /// (3), with respect to a fit with one parameter more.
+    pub(super) fn evidence(&self, other: &Cost) -> f64 {
+        let readings = SAMPLES * (self.fitted * self.outputs.len()) as f64;
+        let (own, other) = (self.whole(), other.whole());
+        (own - other).min(readings * (own / other).ln()) - readings.ln()
+    }
+
+    /// The runs that deviate by more than the structure error; all runs if parameters are strained.
+    pub(super) fn bad_runs(&self) -> Vec<usize> {
+        let limit = GOOD * GOOD * SAMPLES * self.outputs.len() as f64;
+        let is_bad = |run: &usize| self.runs[*run] > limit || self.prior > STRAINED;
+        (0..self.runs.len()).filter(is_bad).collect()
+    }
+}
+
+/// The experiment with structure errors as noise, and its runs that are fitted: all of the judge if none has that role.
+fn prepared<'a>(
+    judge: &Judge,
+    experiment: &'a Experiment,
+    time: Duration,
+) -> Result<(Setup<'a>, Vec<usize>), CalibrateError> {
+    let fit: Vec<usize> =
+        judge.runs.iter().copied().filter(|r| experiment.runs[*r].role == Role::Fit).collect();
+    let runs = if fit.is_empty() { judge.runs.to_vec() } else { fit };
+    let setup = structured(experiment, judge.preset, &runs)?.until(Deadline::after(time));
+    Ok((setup, runs))
+}
+
+/// Cost at the best values of the declared parameters.
+pub(super) fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost, CalibrateError> {
+    let (setup, runs) = prepared(judge, experiment, time)?;
+    let cost = setup.refit(&runs).and_then(|fitted| Cost::new(&setup, fitted, &runs));
+    // A model that cannot be simulated explains no data.
+    Ok(cost.unwrap_or_else(|_| Cost {
+        outputs: vec![f64::MAX; setup.outputs()],
+        fitted: runs.len(),
+        prior: 0.0,
+        runs: vec![f64::INFINITY; experiment.runs.len()],
+        is_cut: setup.deadline().is_near(),
+        hypothesis: None,
+    }))
+}
+
+/// The experiment with a prior for the parameter whose value in the preset contradicts the data most, and the cost then; `None` if there is
+/// no such parameter.
+pub(super) fn released(
+    judge: &Judge,
+    experiment: &Experiment,
+    time: Duration,
+) -> Result<Option<(Experiment, Cost)>, CalibrateError> {
+    let (setup, runs) = prepared(judge, experiment, time)?;
+    let point = setup.refit(&runs).and_then(|fitted| Linearization::judged(&setup, fitted, &runs));
+    // A preset with which the model cannot be run is judged by the checks that follow.
+    let Some(own) = point.ok().and_then(|point| undeclared::best(&point, LEAST)) else { return Ok(None) };
+    let cost = Cost::new(&own.setup, own.fitted, &runs)?;
+    if cost.is_cut {
+        return Ok(None);
+    }
+    let mut other = experiment.clone();
+    other.released.push(own.name.clone());
+    other.priors.push(Prior { name: own.name, deviation: Deviation::Relative(undeclared::DEVIATION) });
+    Ok(Some((other, cost)))
+}

@@ -1,0 +1,195 @@
+//! Parameters without a prior whose values in the preset contradict the data.
+//!
+//! A parameter without a prior keeps its value. If that value is wrong, the fit compensates with the declared parameters, and an effect
+//! would be found that does not exist. Therefore every parameter that stands neither in `[prior]` nor in `[set]` may have another value.
+//! To first order that changes the outputs by
+//!
+//! dy = dy/d(ln p) s,   p -> p e^s                                                             (1)
+//!
+//! The parameters that explain most of the residual are fitted one by one with the declared parameters, as if they had a prior with a
+//! standard deviation of their own value. The best one is kept in two cases:
+//! - before the search, if the data contradict the model by more than a missing effect does (`intake/consistency.rs`);
+//! - in the search, if it explains the fit runs at least as well as every effect, and the error of the validation runs falls.
+//!
+//! A parameter that is zero switches off a part of the model and is no candidate, and neither is a start value.
+//! *Source*: evidence and its penalty as for effects (`evidence.rs`, `selection.rs`).
+
+use crate::CalibrateError;
+use crate::experiment::Role;
+use crate::fit::Fitted;
+use crate::linearization::Linearization;
+use crate::search::Scored;
+use crate::selection::{LEAST, compete};
+use crate::setup::{Declared, Setup};
+use physics::declare::{Causality, Kind};
+use physics::model::Entry;
+use rayon::prelude::*;
+
+/// Change of ln p for the difference in (1).
+const STEP: f64 = 0.01;
+/// Number of parameters that are fitted from each start.
+const FITTED: usize = 2;
+/// Standard deviation of their prior, relative to their value: a size of this order is all that is known.
+pub const DEVIATION: f64 = 1.0;
+/// Group of the start values.
+const START_VALUES: &str = "initial.";
+/// A parameter competes if it explains at least this fraction of what the best effect explains, and the other way round: both have
+/// linearization errors of some hundredths.
+const NEARLY: f64 = 0.9;
+
+/// An experiment with a further fitted parameter.
+pub struct Released<'a> {
+    /// The parameter.
+    pub name: String,
+    /// The experiment with it.
+    pub setup: Setup<'a>,
+    /// The fit.
+    pub fitted: Fitted,
+    /// Evidence for it: decrease of the cost less the penalty for a parameter.
+    fall: f64,
+}
+
+impl Released<'_> {
+    fn is_inside(&self) -> bool {
+        let own = self
+            .setup
+            .declared
+            .iter()
+            .zip(&self.fitted.hypothesis.declared)
+            .find(|(d, _)| d.name == self.name);
+        own.is_some_and(|(d, value)| d.limits.0 < *value && *value < d.limits.1)
+    }
+}
+
+/// The parameter without prior whose other value explains the residual of `point`, the fit, best; to be fitted, it must explain more than
+/// `least` to first order. A wrong value can lead the fit far astray, so that (1) fails there; each parameter is therefore also fitted from
+/// the preset, by (1) at the preset.
+pub fn best<'a>(point: &Linearization<'a>, least: f64) -> Option<Released<'a>> {
+    let near = likely(point, least);
+    if near.is_empty() {
+        return None;
+    }
+    let setup = point.setup;
+    let preset = setup.judged(setup.preset(), &point.runs);
+    let preset = preset.and_then(|fitted| Linearization::judged(setup, fitted, &point.runs)).ok();
+    let far = preset.as_ref().map_or_else(Vec::new, |preset| likely(preset, LEAST));
+    let starts = near.into_par_iter().map(|own| (point, own));
+    let starts = starts.chain(far.into_par_iter().filter_map(|own| Some((preset.as_ref()?, own))));
+    let all = starts.filter_map(|(start, (_, own, value))| fitted(point, &start.fitted, own, value).ok());
+    // A value at a limit stands in for something else.
+    let all = all.filter(|own| own.is_inside());
+    all.max_by(|a, b| a.fall.total_cmp(&b.fall))
+}
+
+/// The parameters without prior that explain most of the residual of a model, with the evidence and the value by (1).
+fn likely(point: &Linearization, least: f64) -> Vec<(f64, Declared, f64)> {
+    let mut all: Vec<(f64, Declared, f64)> = candidates(point.setup)
+        .into_par_iter()
+        .filter_map(|own| {
+            let (sure, value) = explained(point, &own)?;
+            (sure > least).then_some((sure, own, value))
+        })
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.truncate(FITTED);
+    all
+}
+
+/// This parameter, if it explains the residual of `point`, the fit, at least as well as any effect, and validation runs better than the
+/// fit; `scored` are the candidate effects.
+///
+/// # Errors
+/// The message of the model if it cannot be run.
+pub fn better_than_effects<'a>(
+    point: &Linearization<'a>,
+    scored: &[Scored],
+) -> Result<Option<Released<'a>>, CalibrateError> {
+    let setup = point.setup;
+    let first = scored.first().map_or(LEAST, |best| LEAST.max(NEARLY * best.sure()));
+    let Some(own) = best(point, first) else { return Ok(None) };
+    let rivals: Vec<Scored> =
+        scored.iter().filter(|s| s.listed && s.sure() > NEARLY * own.fall).cloned().collect();
+    let round = compete(point, &point.fitted.hypothesis, &rivals);
+    let rival = round.winner().map_or(LEAST, |winner| LEAST.max(winner.sure() - LEAST));
+    if own.fall <= rival {
+        return Ok(None);
+    }
+    let runs = setup.runs(Role::Validate);
+    let error = |setup: &Setup, fitted: &Fitted| -> Result<f64, CalibrateError> {
+        Ok(setup.chi_square(&runs, &setup.show(&fitted.hypothesis, &runs)?).0)
+    };
+    let is_better = runs.is_empty() || error(&own.setup, &own.fitted)? < error(setup, &point.fitted)?;
+    Ok(is_better.then_some(own))
+}
+
+/// Every parameter of the model that has a value in the preset and that the experiment does not mention.
+fn candidates(setup: &Setup) -> Vec<Declared> {
+    let (set, runs) = (&setup.experiment.set, &setup.experiment.runs);
+    let is_set =
+        |name: &str| set.iter().chain(runs.iter().flat_map(|r| &r.set)).any(|(known, _)| known == name);
+    let is_open = |entry: &&Entry| {
+        entry.row.causality == Causality::Parameter
+            && matches!(entry.row.kind, Kind::Real)
+            && setup.bench.start_of(entry.slot) != 0.0
+            && !entry.name.starts_with(START_VALUES)
+            && !setup.declared.iter().any(|d| d.slot == entry.slot)
+            && !setup.kept.contains(&entry.name)
+            && !is_set(&entry.name)
+    };
+    let entries = setup.bench.declaration().entries.iter().filter(is_open);
+    let own = |entry: &Entry| {
+        let prior = setup.bench.start_of(entry.slot);
+        Declared { is_released: true, ..Declared::new(entry, prior, DEVIATION * prior.abs()) }
+    };
+    entries.map(own).collect()
+}
+
+impl<'a> Setup<'a> {
+    /// The setup in which these parameters without prior keep the values of the preset.
+    pub fn without(mut self, names: &[String]) -> Setup<'a> {
+        self.declared.retain(|d| !(d.is_released && names.contains(&d.name)));
+        self.kept.extend_from_slice(names);
+        self
+    }
+}
+
+/// The setup with a further declared parameter, after those common to all runs.
+fn with<'a>(setup: &Setup<'a>, own: Declared) -> (Setup<'a>, usize) {
+    let mut other = setup.clone();
+    let place = other.declared.iter().filter(|d| d.runs.is_none()).count();
+    other.declared.insert(place, own);
+    (other, place)
+}
+
+/// Evidence for another value of a parameter, and that value, by (1); `None` if it has no influence.
+fn explained(point: &Linearization, own: &Declared) -> Option<(f64, f64)> {
+    let (setup, place) = with(point.setup, own.clone());
+    let mut moved = point.fitted.hypothesis.clone();
+    moved.declared.insert(place, own.prior * STEP.exp());
+    let shown = setup.show(&moved, &point.runs).ok()?;
+    let column = point.difference_column(&shown)? / STEP;
+    if column.amax() == 0.0 {
+        return None;
+    }
+    let gain = point.evidence.gain(&column)?;
+    let value = (own.prior * gain.size[0].exp()).clamp(own.limits.0, own.limits.1);
+    Some((gain.whitened.min(gain.raw) - point.per_number(), value))
+}
+
+/// The fit with a further parameter that starts at `value`, the others as in `start`.
+fn fitted<'a>(
+    point: &Linearization<'a>,
+    start: &Fitted,
+    own: Declared,
+    value: f64,
+) -> Result<Released<'a>, CalibrateError> {
+    let name = own.name.clone();
+    let (setup, place) = with(point.setup, own);
+    let mut start = start.hypothesis.clone();
+    start.declared.insert(place, value);
+    let fitted = setup.settled(start, &point.runs)?;
+    let before = point.evidence.cost();
+    let after = Linearization::judged(&setup, fitted.clone(), &point.runs)?.evidence.cost();
+    let fall = (before.0 - after.0).min(before.1 - after.1) - point.per_number();
+    Ok(Released { name, setup, fitted, fall })
+}
