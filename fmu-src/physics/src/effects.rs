@@ -2,6 +2,29 @@
 //!
 //! A port is a line of `ports.rs`. The model's equations use ports only, and enter each power flow with source and sink in the ledger.
 
+/// Implements [`Group`](declare::Group) for an effect with more fields than the group of its parameters.
+macro_rules! parameters_of {
+    ($effect:ident: $field:ident: $group:ident) => {
+        impl declare::Group for $effect {
+            const TABLE: &'static [Variable] = $group::TABLE;
+
+            #[inline]
+            fn get(&self, index: usize) -> f64 {
+                self.$field.get(index)
+            }
+
+            #[inline]
+            fn set(&mut self, index: usize, value: f64) -> bool {
+                self.$field.set(index, value)
+            }
+
+            fn zero() -> Self {
+                $effect { $field: $group::zero(), ..Default::default() }
+            }
+        }
+    };
+}
+
 mod ambient_drift;
 mod bridge_drop;
 mod candidate;
@@ -32,34 +55,8 @@ mod windage;
 mod winding_sensor_offset;
 mod winding_sensor_stem_loss;
 
-pub use ambient_drift::AmbientDrift;
-pub use bridge_drop::BridgeDrop;
 pub use candidate::{Candidate, Follows, Way};
-pub use contact_drop::ContactDrop;
-pub use coulomb_friction::CoulombFriction;
-pub use dead_time::DeadTime;
-pub use demagnetisation::Demagnetisation;
-pub use drive_loss::DriveLoss;
-pub use fan_back_pressure::FanBackPressure;
-pub use forced_convection::{ConvectionDriver, CooledNode, ForcedConvection};
-pub use generic_term::GenericTerms;
-pub use housing_radiation::HousingRadiation;
-pub use housing_sensor_lag::HousingSensorLag;
-pub use housing_sensor_offset::HousingSensorOffset;
-pub use housing_sensor_stem_loss::HousingSensorStemLoss;
-pub use interface_temperature::InterfaceTemperature;
-pub use iron_loss::IronLoss;
-pub use load_dependent_friction::LoadDependentFriction;
-pub use propeller_load::PropellerLoad;
-pub use pwm_ripple::PwmRipple;
-pub use speed_convection::SpeedConvection;
-pub use stator_loss::StatorLoss;
-pub use stator_node::StatorNode;
-pub use torque_sensor_offset::TorqueSensorOffset;
-pub use viscous_friction::ViscousFriction;
-pub use windage::Windage;
-pub use winding_sensor_offset::WindingSensorOffset;
-pub use winding_sensor_stem_loss::WindingSensorStemLoss;
+pub use forced_convection::{ConvectionDriver, CooledNode};
 
 use crate::model::Unserved;
 pub use crate::number::Number;
@@ -67,6 +64,15 @@ use crate::ports::ports;
 use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS};
 use num_dual::Dual64;
 pub use ports::{Acts, Effect, IMMINENT, PerNode, Port, Ports, Stator};
+
+/// What the files of the effects use.
+mod prelude {
+    pub(super) use super::candidate::{Candidate, Follows, Way};
+    pub(super) use super::ports::{Effect, IMMINENT, PerNode, Stator};
+    pub(super) use crate::number::{Number, smooth_sign};
+    pub(super) use crate::terms::{Driver, Drivers, Port};
+    pub(super) use declare::{Unit, Variable, variables};
+}
 
 /// The derivative of a port with respect to its argument, at `x`.
 #[inline]
@@ -76,11 +82,13 @@ fn slope(x: f64, port: impl Fn(Dual64) -> Dual64) -> f64 {
 
 macro_rules! effects {
     ($($(#[doc = $doc:literal])* $id:ident : $type:ident @ $prefix:literal $base:literal at $port:ident;)*) => {
-        /// All effects of a model with their parameters.
-        #[derive(Clone, Copy, Debug, Default, PartialEq)]
-        pub struct Effects { $($(#[doc = $doc])* pub $id: $type),* }
+        $(pub use $id::$type;)*
 
-        $crate::groups! { Effects { $($prefix @ $base => $id: $type),* } }
+        $crate::groups! {
+            /// All effects of a model with their parameters.
+            #[derive(Clone, Copy, Debug, Default, PartialEq)]
+            pub struct Effects { $($(#[doc = $doc])* $id: $type = $prefix @ $base,)* }
+        }
 
         impl Effects {
             /// The variables of effects at ports that a model does not support: `reason` says why, and what to use instead.

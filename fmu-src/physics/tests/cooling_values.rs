@@ -54,10 +54,10 @@ fn conditions(command: f64) -> Conditions {
         surface: SURFACE,
         tube: TUBE,
         ambient: AMBIENT,
-        pressure: 1e5,
-        command,
-        coolant_inlet: AMBIENT,
-        coolant_flow: 0.0,
+        ambient_pressure: 1e5,
+        fan_command: command,
+        coolant_inlet_temperature: AMBIENT,
+        coolant_flow_rate: 0.0,
     }
 }
 
@@ -134,30 +134,33 @@ fn bare() {
 #[test]
 fn fan_crossflow() {
     for distance in [0.005, 0.030] {
-        let m = cooled(CoolingMode::FanCrossflow, |m| m.parameters.fan.distance = distance);
+        let m = cooled(CoolingMode::FanCrossflow, |m| m.parameters.cooling.fan.distance = distance);
         let p = &m.parameters;
         let command = 0.8;
         let c = Cooling::new(p, N).coefficients(p, &conditions(command));
         let area = |bore: f64, hub: f64| PI / 4.0 * (bore * bore - hub * hub);
-        let wider = 2.0 * distance * p.fan.tan_spread;
-        let (exit, jet) =
-            (area(p.fan.bore, p.fan.hub), area(p.fan.bore + wider, (p.fan.hub - wider).max(0.0)));
-        let speed = p.fan.flow_max * command / exit * (exit / jet).sqrt();
+        let wider = 2.0 * distance * p.cooling.fan.tan_spread;
+        let (exit, jet) = (
+            area(p.cooling.fan.bore, p.cooling.fan.hub),
+            area(p.cooling.fan.bore + wider, (p.cooling.fan.hub - wider).max(0.0)),
+        );
+        let speed = p.cooling.fan.flow_max * command / exit * (exit / jet).sqrt();
         let (d, l) = (p.housing.diameter, p.housing.length);
         let film = air(0.5 * (SURFACE + AMBIENT));
         let re = film.rho * speed * d / film.mu;
         let layer =
             0.62 * re.sqrt() * film.pr.powf(1.0 / 3.0) / (1.0 + (0.4 / film.pr).powf(2.0 / 3.0)).powf(0.25);
-        let forced =
-            layer * (1.0 + (re / 282_000.0).powf(5.0 / 8.0)).powf(4.0 / 5.0) * p.fan.turbulence_factor;
+        let forced = layer
+            * (1.0 + (re / 282_000.0).powf(5.0 / 8.0)).powf(4.0 / 5.0)
+            * p.cooling.fan.turbulence_factor;
         let still = lying_cylinder(d);
         let natural = still * d / film.k;
         let blown = (forced.powi(4) + natural.powi(4)).powf(0.25) * film.k / d;
-        let covered = (p.fan.bore + wider).min(l) / l;
+        let covered = (p.cooling.fan.bore + wider).min(l) / l;
         let shell =
             PI * d * l * (covered * blown + (1.0 - covered) * still + radiation(p.housing.emissivity));
         let ends = PI / 2.0 * d * d * (end_disc(d) + radiation(p.housing.emissivity));
-        near(c.flow, p.fan.flow_max * command, 1e-9, "flow");
+        near(c.flow, p.cooling.fan.flow_max * command, 1e-9, "flow");
         near(c.ambient_conductance[..N].iter().sum(), shell + ends, 0.012, "conductance in the jet");
         assert!((3e3..2e4).contains(&re), "Re = {re}");
     }
@@ -176,14 +179,14 @@ struct Gap {
 impl Gap {
     fn of(m: &AnnulusCooledMotor) -> Gap {
         let p = &m.parameters;
-        let (d_i, d_o) = (p.housing.diameter, p.annulus.outer_diameter);
+        let (d_i, d_o) = (p.housing.diameter, p.cooling.annulus.outer_diameter);
         let section = PI / 4.0 * (d_o * d_o - d_i * d_i);
         let push = p.choices.cooling_mode == CoolingMode::AnnulusPush;
-        let sigma = (section / (PI / 4.0 * p.fan.bore * p.fan.bore)).min(1.0);
+        let sigma = (section / (PI / 4.0 * p.cooling.fan.bore * p.cooling.fan.bore)).min(1.0);
         Gap {
             d_h: d_o - d_i,
             section,
-            length: p.annulus.length.min(p.housing.length),
+            length: p.cooling.annulus.length.min(p.housing.length),
             ratio: d_i / d_o,
             sigma,
             push,
@@ -280,30 +283,31 @@ fn annulus_push_and_pull() {
         for (outer, command) in [(0.0345, 0.5), (0.040, 0.6), (0.040, 1.0)] {
             // A stronger fan brings the wide gap to turbulent flow at full command.
             let m = cooled(mode, |m| {
-                m.parameters.annulus.outer_diameter = outer;
-                m.parameters.annulus.leak_area = 0.0;
-                (m.parameters.annulus.factor_push, m.parameters.annulus.factor_pull) = (1.0, 1.0);
-                (m.parameters.fan.flow_max, m.parameters.fan.pressure_max) = (6e-3, 120.0);
+                m.parameters.cooling.annulus.outer_diameter = outer;
+                m.parameters.cooling.annulus.leak_area = 0.0;
+                (m.parameters.cooling.annulus.factor_push, m.parameters.cooling.annulus.factor_pull) =
+                    (1.0, 1.0);
+                (m.parameters.cooling.fan.flow_max, m.parameters.cooling.fan.pressure_max) = (6e-3, 120.0);
             });
             let (p, gap, what) =
                 (&m.parameters, Gap::of(&m), format!("{mode:?} {outer} m, command {command}"));
             let c = Cooling::new(p, N).coefficients(p, &conditions(command));
             let inner = PI * p.housing.diameter * gap.length;
-            let wall = PI * p.annulus.outer_diameter * gap.length;
+            let wall = PI * p.cooling.annulus.outer_diameter * gap.length;
             let fresh = air(AMBIENT);
             // The default curve is a line from shut-off pressure to free flow; both follow the affinity laws.
             let fan = |q: f64| {
-                fresh.rho / p.fan.density_ref
-                    * p.fan.pressure_max
+                fresh.rho / p.cooling.fan.density_ref
+                    * p.cooling.fan.pressure_max
                     * command
                     * command
-                    * (1.0 - q / (p.fan.flow_max * command))
+                    * (1.0 - q / (p.cooling.fan.flow_max * command))
             };
             let (mut mean, mut q) = (AMBIENT, 0.0);
             let mut film = 0.0;
             for _ in 0..20 {
                 let air = air(mean);
-                let (mut low, mut high) = (0.0, p.fan.flow_max * command);
+                let (mut low, mut high) = (0.0, p.cooling.fan.flow_max * command);
                 for _ in 0..60 {
                     q = 0.5 * (low + high);
                     if fan(q) > gap.pressure(fresh.rho * q, &air) { low = q } else { high = q }
@@ -333,16 +337,20 @@ fn annulus_push_and_pull() {
             // The first segment lies in the entrance, where the film is best.
             assert!(c.film_conductance[0] > 1.2 * c.film_conductance[N - 1], "{what}: entrance");
             // The power of a pushing fan (affinity laws) warms the air before the gap.
-            let power =
-                if gap.push { p.fan.power * command.powi(3) * fresh.rho / p.fan.density_ref } else { 0.0 };
+            let power = if gap.push {
+                p.cooling.fan.power * command.powi(3) * fresh.rho / p.cooling.fan.density_ref
+            } else {
+                0.0
+            };
             near(c.fan_power, power, 0.01, &format!("{what}: power of the fan"));
             near(c.inlet_rise, power / (fresh.rho * q * 1007.0), 0.02, &format!("{what}: rise by the fan"));
             // Long concentric cylinders.
             let black = SIGMA * (SURFACE.powi(4) - TUBE.powi(4)) / (SURFACE - TUBE);
             let resistance = 1.0 / p.housing.emissivity
-                + inner / wall * (1.0 - p.annulus.emissivity) / p.annulus.emissivity;
+                + inner / wall * (1.0 - p.cooling.annulus.emissivity) / p.cooling.annulus.emissivity;
             near(c.to_tube * N as f64, inner * black / resistance, 1e-3, &format!("{what}: radiation"));
-            let outside = natural_on_cylinder(outer, TUBE) + radiation_from(p.annulus.emissivity, TUBE);
+            let outside =
+                natural_on_cylinder(outer, TUBE) + radiation_from(p.cooling.annulus.emissivity, TUBE);
             near(c.tube_to_ambient, outside * wall, 0.01, &format!("{what}: tube to room"));
             // The two ends see the room.
             let ends = PI / 2.0

@@ -23,10 +23,10 @@ fn coefficients(m: &AnnulusCooledMotor, surface: f64, tube: f64, command: f64) -
         surface,
         tube,
         ambient: AMBIENT,
-        pressure: 101_325.0,
-        command,
-        coolant_inlet: AMBIENT,
-        coolant_flow: 0.0,
+        ambient_pressure: 101_325.0,
+        fan_command: command,
+        coolant_inlet_temperature: AMBIENT,
+        coolant_flow_rate: 0.0,
     };
     Cooling::new(&m.parameters, N).coefficients(&m.parameters, &at)
 }
@@ -78,9 +78,9 @@ fn an_upright_gap_at_rest_is_a_channel_open_at_both_ends() {
         let mut m = cooled(CoolingMode::AnnulusPull, Orientation::Vertical);
         let p = &mut m.parameters;
         // A large motor: the gap is nearly plane.
-        (p.housing.diameter, p.housing.length, p.annulus.length) = (0.3, length, length);
-        p.annulus.outer_diameter = 0.3 + 2.0 * gap;
-        p.fan.bore = 1.0;
+        (p.housing.diameter, p.housing.length, p.cooling.annulus.length) = (0.3, length, length);
+        p.cooling.annulus.outer_diameter = 0.3 + 2.0 * gap;
+        p.cooling.fan.bore = 1.0;
         // The air heats the insulated tube to its own temperature, and the tube takes nothing: all heat comes from the motor.
         let mut tube = AMBIENT;
         let mut heat = 0.0;
@@ -115,7 +115,7 @@ fn an_upright_gap_at_rest_is_a_channel_open_at_both_ends() {
 fn a_horizontal_gap_at_rest_conducts_and_circulates() {
     for (outer, circulates) in [(0.040, false), (0.080, true)] {
         let mut m = cooled(CoolingMode::AnnulusPush, Orientation::Horizontal);
-        m.parameters.annulus.outer_diameter = outer;
+        m.parameters.cooling.annulus.outer_diameter = outer;
         let (surface, tube) = (400.0, 330.0);
         let c = coefficients(&m, surface, tube, 0.0);
         assert_eq!((c.m_flow_cp, c.flow, c.pressure_drop), (0.0, 0.0, 0.0));
@@ -136,8 +136,8 @@ fn from_rest_to_full_flow_nothing_jumps() {
         for orientation in ORIENTATIONS {
             for (leak, surface) in [(0.0, 350.0), (1.6e-3, 350.0), (0.0, AMBIENT + 1e-6), (0.0, 280.0)] {
                 let mut m = cooled(mode, orientation);
-                m.parameters.annulus.leak_area = leak;
-                m.parameters.fan.power = 0.0;
+                m.parameters.cooling.annulus.leak_area = leak;
+                m.parameters.cooling.fan.power = 0.0;
                 let tube = AMBIENT + 0.4 * (surface - AMBIENT);
                 let at = |command: f64| {
                     let c = coefficients(&m, surface, tube, command);

@@ -77,7 +77,7 @@ fn the_books_close_in_every_mode() {
                 m.parameters.choices.commutation = Commutation::Block;
                 m.parameters.effects = Effects::examples();
                 m.parameters.thermal.G_mount = 0.02;
-                m.parameters.annulus.leak_area = 2e-4;
+                m.parameters.cooling.annulus.leak_area = 2e-4;
                 m.inputs.voltage = 24.0;
                 m.inputs.electrical_power = 20.0;
                 m.start(0.0).unwrap();
@@ -356,7 +356,7 @@ fn directions_are_those_of_nature() {
     }
     let jet = |distance: f64| {
         let mut m = stalled(CoolingMode::FanCrossflow);
-        m.parameters.fan.distance = distance;
+        m.parameters.cooling.fan.distance = distance;
         run(&mut m, 15_000.0, 500.0).winding_temperature
     };
     assert!(jet(0.005) < jet(0.015) && jet(0.015) < jet(0.030));
@@ -382,7 +382,7 @@ fn nothing_jumps_over_the_width_of_the_annulus() {
         let mut regimes = [false; 3];
         let mut curve = |k: u32| -> [f64; 3] {
             let d = 0.031 * (f64::from(k) * 3.3e-5).exp();
-            m.parameters.annulus.outer_diameter = d;
+            m.parameters.cooling.annulus.outer_diameter = d;
             let c = Cooling::new(&m.parameters, 8).coefficients(&m.parameters, &at);
             let re = 1.2 * c.flow * 4.0 / (std::f64::consts::PI * 1.85e-5 * (d + 0.030));
             regimes[usize::from(re > 2300.0) + usize::from(re > 4000.0)] = true;
@@ -448,9 +448,9 @@ fn a_chopped_supply_loses_what_its_effects_say() {
 fn what_cannot_be_is_named() {
     type Spoil = fn(&mut AnnulusCooledMotor);
     let cases: [(&str, Spoil); 4] = [
-        ("annulus.outer_diameter = 0.03 m", |m| m.parameters.annulus.outer_diameter = 0.030),
-        ("must fall", |m| m.parameters.fan.p_60 = 0.7),
-        ("fan.hub = 0.04 m", |m| m.parameters.fan.hub = 0.04),
+        ("annulus.outer_diameter = 0.03 m", |m| m.parameters.cooling.annulus.outer_diameter = 0.030),
+        ("must fall", |m| m.parameters.cooling.fan.p_60 = 0.7),
+        ("fan.hub = 0.04 m", |m| m.parameters.cooling.fan.hub = 0.04),
         ("thermal.C_r = 200 J/K", |m| m.parameters.thermal.C_r = 200.0),
     ];
     for (part, spoil) in cases {

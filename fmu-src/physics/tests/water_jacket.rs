@@ -36,7 +36,7 @@ fn the_outlet_follows_the_effectiveness() {
     for flow in [1e-6, 1e-5, 5e-5, 2e-4] {
         let mut m = settled(flow, 1);
         let housing = get(&mut m, "housing_temperature");
-        let water = m.parameters.jacket.coolant(flow, INLET, housing);
+        let water = m.parameters.cooling.jacket.coolant(flow, INLET, housing);
         let effectiveness = 1.0 - (-water.conductance / water.m_flow_cp).exp();
         let outlet = INLET + effectiveness * (housing - INLET);
         assert!((get(&mut m, "coolant_outlet_temperature") - outlet).abs() < 1e-3, "{flow}");

@@ -6,10 +6,7 @@
 //! *Assumes* a drift linear in time, zero at time 0. *Neglects* other errors of the sensor.
 //! *Sign*: rate > 0 means that the ambient air becomes warmer than indicated. *Source*: contract of the bench.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Drift of the ambient sensor.
@@ -22,15 +19,7 @@ variables! {
 impl Effect for AmbientDrift {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate { most: 5.0, ..Candidate::on(Driver::Time, Port::AmbientSensor, &["rate"]) }];
-
-    fn example() -> Self {
-        AmbientDrift { rate: 0.01 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.rate != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.01];
 
     #[inline]
     fn ambient_sensor(&self) -> f64 {

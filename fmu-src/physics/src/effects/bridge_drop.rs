@@ -8,10 +8,7 @@
 //! *Range*: V_0 is 0 for MOSFETs, 1.4 to 3 V for bipolar bridges (L298: 1.8 V typical at 1 A).
 //! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., ch. 2 and 20.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::{Number, smooth_sign};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Drop of the bridge.
@@ -29,10 +26,7 @@ variables! {
 impl Effect for BridgeDrop {
     // Terminal voltages on a bench are measured downstream of the bridge, where this effect is not observable.
     const CANDIDATES: &'static [Candidate] = &[];
-
-    fn example() -> Self {
-        BridgeDrop { V_0: 0.5, R_on: 0.05, ..Default::default() }
-    }
+    const EXAMPLE: &'static [f64] = &[0.5, 0.05];
 
     #[inline]
     fn is_on(&self) -> bool {

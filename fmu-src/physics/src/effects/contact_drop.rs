@@ -6,11 +6,7 @@
 //! *Sign*: that of the current; the terminal voltage exceeds the winding voltage by V, and its power V I >= 0 heats the winding.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.DCMachines.Brush, with a smooth transition.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::{Number, smooth_sign};
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Drop of the contacts.
@@ -26,15 +22,7 @@ variables! {
 impl Effect for ContactDrop {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::on(Driver::Current, Port::TerminalVoltage, &["V_b"])];
-
-    fn example() -> Self {
-        ContactDrop { V_b: 0.4, ..Default::default() }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.V_b != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.4];
 
     #[inline]
     fn terminal_voltage<D: Number>(&self, i: D) -> D {

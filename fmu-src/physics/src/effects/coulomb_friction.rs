@@ -7,11 +7,7 @@
 //! *Sign*: against the motion; its power tau w >= 0 heats the housing.
 //! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::{Number, smooth_sign};
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Dry friction.
@@ -26,15 +22,7 @@ variables! {
 
 impl Effect for CoulombFriction {
     const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::Speed, Port::DragTorque, &["tau_c"])];
-
-    fn example() -> Self {
-        CoulombFriction { tau_c: 0.005, w_small: 1.0 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.tau_c != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.005, 1.0];
 
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {

@@ -6,10 +6,7 @@
 //! the diodes back to the supply. *Assumes* a bridge that switches both legs, diodes without drop (`bridge_drop.rs`).
 //! *Sign*: against the current; no loss. *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sec. 8-7.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::{Number, smooth_sign};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Dead time of the bridge.
@@ -25,15 +22,7 @@ variables! {
 impl Effect for DeadTime {
     // Terminal voltages on a bench are measured downstream of the bridge, where this effect is not observable.
     const CANDIDATES: &'static [Candidate] = &[];
-
-    fn example() -> Self {
-        DeadTime { share: 0.01, ..Default::default() }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.share != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.01];
 
     #[inline]
     fn missed_voltage<D: Number>(&self, i: D, supply: f64) -> D {

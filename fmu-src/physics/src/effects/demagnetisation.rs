@@ -7,10 +7,7 @@
 //! *Assumes* a sudden, permanent loss. *Neglects* its cause.
 //! *Sign*: fraction > 0 weakens the motor. *Source*: irreversible loss of Nd-Fe-B below the knee point.
 
-use super::candidate::{Candidate, Way};
-use super::ports::{Effect, IMMINENT};
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Loss of magnetisation.
@@ -27,15 +24,7 @@ impl Effect for Demagnetisation {
         way: Way::Step,
         ..Candidate::on(Driver::Time, Port::TorqueConstant, &["fraction", "time"])
     }];
-
-    fn example() -> Self {
-        Demagnetisation { fraction: 0.1, time: 0.25 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.fraction != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.1, 0.25];
 
     #[inline]
     fn torque_constant(&self, time: f64) -> f64 {

@@ -7,10 +7,7 @@
 //! *Assumes* a fraction that does not depend on the power. *Neglects* the drive's own heat capacity.
 //! *Sign*: share > 0 reduces the winding's heat. *Source*: definition of an efficiency.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::Port;
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Loss of the drive.
@@ -23,15 +20,7 @@ variables! {
 impl Effect for DriveLoss {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::constant(Port::WindingHeat, &["share"]).of_the_bench()];
-
-    fn example() -> Self {
-        DriveLoss { share: 0.12 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.share != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.12];
 
     #[inline]
     fn drive_loss(&self) -> f64 {

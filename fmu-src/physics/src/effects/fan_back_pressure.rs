@@ -6,10 +6,7 @@
 //! *Sign*: k > 0 reduces the flow. *Range*: n is limited to 0 ... 1.
 //! *Source*: data of the synthetic bench; second-order expansion of a falling fan curve with a rising system curve.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Loss of flow at high command.
@@ -21,15 +18,7 @@ variables! {
 
 impl Effect for FanBackPressure {
     const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::FanCommand, Port::FanFlow, &["k"])];
-
-    fn example() -> Self {
-        FanBackPressure { k: 0.3 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.k != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.3];
 
     #[inline]
     fn fan_flow(&self, n: f64) -> f64 {

@@ -6,10 +6,8 @@
 //! *Assumes* that it does not depend on temperature. *Neglects* the temperature rise of the air.
 //! *Sign*: Q_flow > 0 leaves the motor. *Source*: as components/conductance.rs.
 
-use super::candidate::Candidate;
-use super::ports::{Effect, PerNode};
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, enumeration, variables};
+use super::prelude::*;
+use declare::enumeration;
 
 enumeration! {
     /// Node with forced convection.
@@ -58,15 +56,7 @@ impl Effect for ForcedConvection {
             ..Candidate::on(Driver::FanCommand, Port::WindingHeat, &["G"])
         },
     ];
-
-    fn example() -> Self {
-        ForcedConvection { G: 0.03, node: CooledNode::Winding, driver: ConvectionDriver::FanCommand }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.G != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.03, 2.0, 2.0];
 
     #[inline]
     fn ambient_conductance(&self, flow: f64) -> PerNode {

@@ -24,11 +24,8 @@
 //! *Sign*: see the table. *Range*: a factor 1 + y is at least 0.05.
 //! *Source*: the data in which the terms were found.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::{Number, smooth_sign};
-use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS, Port};
-use declare::{Group, Unit, Variable, variables};
+use super::prelude::*;
+use crate::terms::{GenericTerm, Lag, MOST_TERMS};
 
 /// Current below which a voltage drop changes sign smoothly, A.
 const I_SMALL: f64 = 0.05;
@@ -55,23 +52,7 @@ pub struct GenericTerms {
     drivers: Drivers,
 }
 
-impl Group for GenericTerms {
-    const TABLE: &'static [Variable] = Tuning::TABLE;
-
-    #[inline]
-    fn get(&self, index: usize) -> f64 {
-        self.tuning.get(index)
-    }
-
-    #[inline]
-    fn set(&mut self, index: usize, value: f64) -> bool {
-        self.tuning.set(index, value)
-    }
-
-    fn zero() -> Self {
-        GenericTerms { tuning: Tuning::zero(), ..GenericTerms::default() }
-    }
-}
+parameters_of!(GenericTerms: tuning: Tuning);
 
 impl GenericTerms {
     /// The sum at a port, with `x` for the driver that is evaluated within a step; neutral if no term is on.
@@ -104,10 +85,7 @@ impl GenericTerms {
 impl Effect for GenericTerms {
     // Laws that no effect covers are found by other methods (calibrate).
     const CANDIDATES: &'static [Candidate] = &[];
-
-    fn example() -> Self {
-        Self::default()
-    }
+    const EXAMPLE: &'static [f64] = &[];
 
     #[inline]
     fn is_on(&self) -> bool {

@@ -6,11 +6,7 @@
 //! *Sign*: Q_flow > 0 leaves the housing. *Range*: temperatures in kelvin.
 //! *Source*: Incropera, Fundamentals of Heat and Mass Transfer, 7th ed., eq. 1.7.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::Number;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Radiation.
@@ -23,15 +19,7 @@ variables! {
 impl Effect for HousingRadiation {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::on(Driver::HousingTemperature, Port::HousingAmbientConductance, &["k"])];
-
-    fn example() -> Self {
-        HousingRadiation { k: 6e-10 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.k != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[6e-10];
 
     #[inline]
     fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {

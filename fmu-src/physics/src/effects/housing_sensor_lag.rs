@@ -8,10 +8,7 @@
 //! *Sign*: tau > 0 indicates too low a temperature while the housing warms up. *Range*: tau >= 0; 0 is no lag.
 //! *Source*: first-order response of a contact thermometer, VDI/VDE 3522-1.
 
-use super::candidate::{Candidate, Follows, Way};
-use super::ports::Effect;
-use crate::terms::Port;
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Lag of the housing's sensor.
@@ -27,15 +24,7 @@ impl Effect for HousingSensorLag {
         follows: Follows::History,
         ..Candidate::constant(Port::HousingSensor, &["tau"])
     }];
-
-    fn example() -> Self {
-        HousingSensorLag { tau: 20.0 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.tau != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[20.0];
 
     #[inline]
     fn housing_sensor_lag(&self) -> f64 {

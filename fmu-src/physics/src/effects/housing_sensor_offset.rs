@@ -6,10 +6,7 @@
 //! *Sign*: offset > 0 indicates too high a temperature. The sensor does not affect the motor.
 //! *Range*: any temperature. *Source*: tolerance of thermocouples, IEC 60584-1:2013, class 1: 1.5 K.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::Port;
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Offset of the housing's sensor.
@@ -22,15 +19,7 @@ variables! {
 impl Effect for HousingSensorOffset {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::constant(Port::HousingSensor, &["offset"]).of_the_bench()];
-
-    fn example() -> Self {
-        HousingSensorOffset { offset: -0.8 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.offset != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[-0.8];
 
     #[inline]
     fn housing_sensor(&self, t: f64, _t_a: f64) -> f64 {

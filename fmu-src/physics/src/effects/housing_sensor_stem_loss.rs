@@ -7,10 +7,7 @@
 //! *Sign*: k > 0 indicates too small a rise over ambient. *Range*: k from 0 (no loss) to below 1 (indicates ambient).
 //! *Source*: two conductances in series, k = G_stem / (G_stem + G_contact).
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Stem loss of the housing's sensor.
@@ -23,15 +20,7 @@ variables! {
 impl Effect for HousingSensorStemLoss {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::on(Driver::HousingTemperature, Port::HousingSensor, &["k"]).of_the_bench()];
-
-    fn example() -> Self {
-        HousingSensorStemLoss { k: 0.06 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.k != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.06];
 
     #[inline]
     fn housing_sensor(&self, t: f64, t_a: f64) -> f64 {

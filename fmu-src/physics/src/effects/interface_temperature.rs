@@ -7,11 +7,7 @@
 //! *Sign*: beta > 0 increases the resistance of a hot winding. *Range*: see the limit of the bracket.
 //! *Source*: data of the synthetic bench; first-order expansion of any smooth law.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::Number;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 /// Reference temperature of R_wh, K.
 const T_REF: f64 = 298.15;
@@ -29,15 +25,7 @@ variables! {
 impl Effect for InterfaceTemperature {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::on(Driver::WindingTemperature, Port::WindingHousingResistance, &["beta"])];
-
-    fn example() -> Self {
-        InterfaceTemperature { beta: 0.004 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.beta != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.004];
 
     #[inline]
     fn winding_housing_resistance<D: Number>(&self, t_w: D) -> D {

@@ -9,11 +9,7 @@
 //! *Sign*: against the motion; its power tau w >= 0 heats the housing (the stator is at the housing's temperature).
 //! *Source*: Steinmetz, Trans. AIEE 9 (1892) 3, exponent of the frequency set to 3/2.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::Number;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Loss in the iron.
@@ -28,15 +24,7 @@ variables! {
 
 impl Effect for IronLoss {
     const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::Speed, Port::DragTorque, &["k"])];
-
-    fn example() -> Self {
-        IronLoss { k: 1e-4, ..Default::default() }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.k != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[1e-4];
 
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {

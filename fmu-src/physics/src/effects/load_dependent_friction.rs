@@ -10,11 +10,7 @@
 //! *Source*: Modelica Standard Library, Rotational.Components.LossyGear: efficiency 1/(1 + mu) when the motor
 //! drives, 1 - mu when the load does.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::{Number, smooth_sign};
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Friction proportional to the load.
@@ -32,15 +28,7 @@ variables! {
 
 impl Effect for LoadDependentFriction {
     const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::LoadTorque, Port::DragTorque, &["mu"])];
-
-    fn example() -> Self {
-        LoadDependentFriction { mu: 0.06, ..Default::default() }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.mu != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.06];
 
     #[inline]
     fn load_drag<D: Number>(&self, w: D, tau: f64) -> D {

@@ -8,6 +8,7 @@ use super::candidate::Candidate;
 use crate::number::Number;
 use crate::ports::ports;
 use crate::terms::{Driver, Drivers, GenericTerm, Lag};
+use declare::Group;
 
 /// A time event that is less than this ahead is due, s: equality of times within rounding.
 pub const IMMINENT: f64 = 1e-9;
@@ -92,15 +93,24 @@ macro_rules! define {
         ($($argument:ident : $type:ty),*) -> $result:ty, derivative [$($slope:ident)?];)*) => {
         /// The ports of an effect. The default of each port is neutral.
         #[allow(unused_variables)]
-        pub trait Effect: Sized {
+        pub trait Effect: Group + Default {
             /// The candidate forms of the effect for `close-loop`; none where a bench cannot distinguish it from others.
             const CANDIDATES: &'static [Candidate];
+            /// Values of the first parameters with the effect on, with a realistic size: for tests of all effects.
+            const EXAMPLE: &'static [f64];
 
-            /// The effect switched on, with a realistic size: for tests of all effects.
-            fn example() -> Self;
+            /// The effect with the values of [`EXAMPLE`](Effect::EXAMPLE).
+            fn example() -> Self {
+                let mut effect = Self::default();
+                Self::EXAMPLE.iter().enumerate().for_each(|(row, value)| assert!(effect.set(row, *value)));
+                effect
+            }
 
-            /// Whether the effect is on: its switch parameter, 0 by default, is not 0.
-            fn is_on(&self) -> bool;
+            /// Whether the effect is on: its first parameter, 0 by default, is not 0.
+            #[inline]
+            fn is_on(&self) -> bool {
+                self.get(0) != 0.0
+            }
 
             /// Replaces the effect's terms that are data; returns false and changes nothing if it has none or rejects
             /// these.

@@ -8,10 +8,7 @@
 //! *Neglects* the advance ratio and changes of air density. *Sign*: k > 0 takes power from the motor.
 //! *Range*: P_shaft below electrical_power. *Source*: McCormick, Aerodynamics, Aeronautics and Flight Mechanics (2nd ed., 1995), ch. 6.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// A propeller on the shaft.
@@ -23,15 +20,7 @@ variables! {
 
 impl Effect for PropellerLoad {
     const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::Speed, Port::WindingHeat, &["k"])];
-
-    fn example() -> Self {
-        PropellerLoad { k: 1e-8 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.k != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[1e-8];
 
     #[inline]
     fn power_mode_torque(&self, w: f64) -> f64 {

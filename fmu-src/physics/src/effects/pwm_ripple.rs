@@ -8,9 +8,7 @@
 //! *Range*: f L/R above about 3; below, (1) overestimates. *Source*: Mohan, Undeland, Robbins, Power Electronics,
 //! 3rd ed., sec. 7-7.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Ripple of a chopped current.
@@ -23,15 +21,7 @@ variables! {
 impl Effect for PwmRipple {
     // The size has no value at which the effect is 0: the loss decreases with the square of the frequency.
     const CANDIDATES: &'static [Candidate] = &[];
-
-    fn example() -> Self {
-        PwmRipple { f: 5e4 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.f != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[5e4];
 
     #[inline]
     fn ripple_square(&self, duty: f64, supply: f64, inductance: f64) -> f64 {

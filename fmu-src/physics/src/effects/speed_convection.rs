@@ -10,11 +10,7 @@
 //! *Source*: Incropera and DeWitt, Fundamentals of Heat and Mass Transfer (4th ed., 1996), ch. 7 (exponents); Staton and Cavagnino,
 //! IEEE Trans. Ind. Electron. 55 (2008) 3509-3516 (motors).
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::Number;
-use crate::terms::{Driver, Drivers, Port};
-use declare::{Group, Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// The parameters of eq. (1).
@@ -38,36 +34,12 @@ pub struct SpeedConvection {
     speed: f64,
 }
 
-impl Group for SpeedConvection {
-    const TABLE: &'static [Variable] = PowerOfSpeed::TABLE;
-
-    #[inline]
-    fn get(&self, index: usize) -> f64 {
-        self.law.get(index)
-    }
-
-    #[inline]
-    fn set(&mut self, index: usize, value: f64) -> bool {
-        self.law.set(index, value)
-    }
-
-    fn zero() -> Self {
-        SpeedConvection { law: PowerOfSpeed::zero(), speed: 0.0 }
-    }
-}
+parameters_of!(SpeedConvection: law: PowerOfSpeed);
 
 impl Effect for SpeedConvection {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::on(Driver::Speed, Port::HousingAmbientConductance, &["G", "n"])];
-
-    fn example() -> Self {
-        SpeedConvection { law: PowerOfSpeed { G: 0.02, ..PowerOfSpeed::default() }, speed: 0.0 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.law.G != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.02];
 
     #[inline]
     fn set_drivers(&mut self, drivers: &Drivers) -> bool {

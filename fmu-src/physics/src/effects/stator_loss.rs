@@ -9,10 +9,7 @@
 //! *Neglects* the dependence of this fraction on speed. *Sign*: fraction > 0 reduces the winding's heat.
 //! *Range*: 0 to 1. *Source*: separation of losses, IEC 60034-2-1:2014.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::Port;
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Losses in the stator.
@@ -24,15 +21,7 @@ variables! {
 
 impl Effect for StatorLoss {
     const CANDIDATES: &'static [Candidate] = &[Candidate::constant(Port::HousingHeat, &["fraction"])];
-
-    fn example() -> Self {
-        StatorLoss { fraction: 0.25 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.fraction != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.25];
 
     #[inline]
     fn stator_loss(&self) -> f64 {

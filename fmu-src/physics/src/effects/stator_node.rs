@@ -8,10 +8,7 @@
 //! *Sign*: heat flows from the winding through the stator to the housing.
 //! *Source*: lumped-parameter network, e.g. Mellor, Roberts, Turner, IEE Proc. B 138 (1991) 205-218.
 
-use super::candidate::{Candidate, Way};
-use super::ports::{Effect, Stator};
-use crate::terms::Port;
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Stator between winding and housing.
@@ -26,10 +23,7 @@ variables! {
 impl Effect for StatorNode {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate { way: Way::Store, ..Candidate::constant(Port::HeatCapacity, &["C_s", "R_sh"]) }];
-
-    fn example() -> Self {
-        StatorNode { R_sh: 0.3, C_s: 40.0 }
-    }
+    const EXAMPLE: &'static [f64] = &[0.3, 40.0];
 
     #[inline]
     fn is_on(&self) -> bool {

@@ -7,10 +7,7 @@
 //! `power_mechanical` and the energies follow from the true torque.
 //! *Range*: any torque. *Source*: zero signal of torque transducers, VDI/VDE 2646:2019 (minimum requirements, terms).
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::Port;
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Zero of the torque sensor.
@@ -23,15 +20,7 @@ variables! {
 impl Effect for TorqueSensorOffset {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::constant(Port::TorqueSensor, &["offset"]).of_the_bench()];
-
-    fn example() -> Self {
-        TorqueSensorOffset { offset: 2e-3 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.offset != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[2e-3];
 
     #[inline]
     fn torque_sensor(&self, tau: f64) -> f64 {

@@ -7,11 +7,7 @@
 //! *Sign*: against the motion; its power k w^2 >= 0 heats the housing.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.Friction, with power_w = 1 (exponent of the torque).
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::Number;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Friction proportional to speed.
@@ -23,15 +19,7 @@ variables! {
 
 impl Effect for ViscousFriction {
     const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::Speed, Port::DragTorque, &["k"])];
-
-    fn example() -> Self {
-        ViscousFriction { k: 2e-6 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.k != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[2e-6];
 
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {

@@ -7,11 +7,7 @@
 //! *Sign*: against the motion; its power k |w|^3 >= 0 heats the housing.
 //! *Source*: Vrancik, NASA TN D-4849 (1968); the skin-friction coefficient is assumed constant.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::number::Number;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Friction of the air.
@@ -23,15 +19,7 @@ variables! {
 
 impl Effect for Windage {
     const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::Speed, Port::DragTorque, &["k"])];
-
-    fn example() -> Self {
-        Windage { k: 2e-9 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.k != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[2e-9];
 
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {

@@ -6,10 +6,7 @@
 //! *Sign*: offset > 0 indicates too high a temperature. The sensor does not affect the motor.
 //! *Range*: any temperature. *Source*: tolerance of thermocouples, IEC 60584-1:2013, class 1: 1.5 K.
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::Port;
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Offset of the winding's sensor.
@@ -22,15 +19,7 @@ variables! {
 impl Effect for WindingSensorOffset {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::constant(Port::WindingSensor, &["offset"]).of_the_bench()];
-
-    fn example() -> Self {
-        WindingSensorOffset { offset: 1.2 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.offset != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[1.2];
 
     #[inline]
     fn winding_sensor(&self, t: f64, _t_a: f64) -> f64 {

@@ -7,10 +7,7 @@
 //! *Sign*: k > 0 indicates too small a rise over ambient. *Range*: k from 0 (no loss) to below 1 (indicates ambient).
 //! *Source*: two conductances in series, k = G_stem / (G_stem + G_contact).
 
-use super::candidate::Candidate;
-use super::ports::Effect;
-use crate::terms::{Driver, Port};
-use declare::{Unit, Variable, variables};
+use super::prelude::*;
 
 variables! {
     /// Stem loss of the winding's sensor.
@@ -23,15 +20,7 @@ variables! {
 impl Effect for WindingSensorStemLoss {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::on(Driver::WindingTemperature, Port::WindingSensor, &["k"]).of_the_bench()];
-
-    fn example() -> Self {
-        WindingSensorStemLoss { k: 0.04 }
-    }
-
-    #[inline]
-    fn is_on(&self) -> bool {
-        self.k != 0.0
-    }
+    const EXAMPLE: &'static [f64] = &[0.04];
 
     #[inline]
     fn winding_sensor(&self, t: f64, t_a: f64) -> f64 {

@@ -106,8 +106,8 @@ mod tests {
         let (found, files) = (ids(&list), list.matches("\nmod ").count());
         assert_eq!(
             found.len(),
-            files - 3,
-            "each module but `candidate`, `ports` and `testing` is an effect: {found:?}"
+            files - 4,
+            "each module but `candidate`, `ports`, `prelude` and `testing` is an effect: {found:?}"
         );
         assert!(found.contains(&"iron_loss") && found.contains(&"generic_term"));
     }

@@ -16,10 +16,9 @@ mod stepping;
 mod variables;
 
 pub use crate::line::Line;
+pub use cooling::CoolingMode;
 pub use equations::{Constants, NODES, Point, STATES, Step, Temperatures, ThermalCoupling};
 pub use initial::Initial;
 pub use motor::AnnulusCooledMotor;
-pub use parameters::Parameters;
-pub use variables::{
-    Choices, CoolingMode, DriveMode, EnergyBalance, Indicators, Inputs, MechanicalMode, Outputs,
-};
+pub use parameters::{Choices, Parameters};
+pub use variables::{DriveMode, EnergyBalance, Indicators, Inputs, MechanicalMode, Outputs};

@@ -421,7 +421,7 @@ impl Equations<ALL> for Motor {
     }
 
     fn save_rest(&self, out: &mut Vec<f64>) {
-        out.extend(self.network.iter().flat_map(Network::to_numbers));
+        self.network.iter().for_each(|network| network.save(out));
     }
 
     fn restored(run: &mut AnnulusCooledMotor, next: &mut impl FnMut() -> Option<f64>) -> Option<()> {

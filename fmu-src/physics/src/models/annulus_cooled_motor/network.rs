@@ -19,9 +19,10 @@ mod substep;
 pub use body::{Body, SEGMENTS};
 pub use substep::{Advance, CouplingIntegrals};
 
-use super::cooling::{Coefficients, Conditions, Cooling, Tangent};
+use super::cooling::{Coefficients, Conditions, Cooling, Stream, Tangent, without_flow};
 use super::parameters::Parameters;
-use super::variables::Inputs;
+use super::variables::{EnergyBalance, Inputs};
+use crate::runtime::Saved;
 use crate::solver::stabilized::{MOST, Stabilized, States};
 use body::FIRST;
 
@@ -160,13 +161,14 @@ impl Network {
         rotor * (self.states[ROTOR] - origin) + tube * (self.states[TUBE] - origin) + segment * housing
     }
 
-    /// Temperatures and the other variables that the next step depends on.
-    pub fn to_numbers(&self) -> impl Iterator<Item = f64> + '_ {
-        let housing = self.states[..FIRST + self.body.segments].iter().copied();
-        housing.chain(self.tangent.at.to_numbers()).chain([self.substep])
+    /// Appends the temperatures and the other variables that the next step depends on.
+    pub fn save(&self, out: &mut Vec<f64>) {
+        out.extend(&self.states[..FIRST + self.body.segments]);
+        self.tangent.at.save(out);
+        out.push(self.substep);
     }
 
-    /// Restores the numbers of [`to_numbers`](Self::to_numbers); `None` if there are too few.
+    /// Restores the numbers of [`save`](Self::save); `None` if there are too few.
     pub fn take_numbers(
         &mut self,
         parameters: &Parameters,
@@ -175,7 +177,8 @@ impl Network {
         for state in &mut self.states[..FIRST + self.body.segments] {
             *state = next()?;
         }
-        let at = Conditions::from_numbers(next)?;
+        let mut at = Conditions::NONE;
+        at.load(next)?;
         self.substep = next()?;
         if at.surface.is_nan() {
             self.forget();
@@ -337,6 +340,21 @@ impl Network {
         let flows = self.flows(ambient);
         // Heat that effects add to the housing leaves by the same paths.
         flows.housing_to_room + self.from_outside + flows.housing_to_air + flows.housing_to_tube
+    }
+
+    /// The outputs of the cooling at the present temperatures with these flows; the others are 0.
+    pub fn show(
+        &self,
+        parameters: &Parameters,
+        inputs: &Inputs,
+        ambient: f64,
+        flows: &Flows,
+    ) -> EnergyBalance {
+        let at = &self.conditions(inputs, ambient, 0.0);
+        let (outlet, heat) = (flows.outlet, flows.housing_to_air);
+        let mut out = without_flow(inputs, ambient);
+        self.cooling.show(&Stream { parameters, at, coefficients: &self.now, outlet, heat }, &mut out);
+        out
     }
 
     /// Heat flows at the present temperatures, for the energy balance and the outputs.

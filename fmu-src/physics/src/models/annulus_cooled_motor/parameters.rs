@@ -1,62 +1,61 @@
 //! Parameters of the motor and its modes of use.
 
+use super::cooling::{CoolingMode, Parts};
 use super::initial::Initial;
-use super::variables::Choices;
-use crate::components::annulus::Annulus;
+use super::variables::{DriveMode, MechanicalMode};
 use crate::components::chopper::Idle;
+use crate::components::commutation::Commutation;
 use crate::components::conductance::Conductance;
-use crate::components::fan::Fan;
 use crate::components::housing::Housing;
-use crate::components::jacket::Jacket;
 use crate::components::motor::Motor;
 use crate::components::thermal::Thermal;
 use crate::components::validity::{Limits, Validity};
 use crate::effects::{Effects, PerNode};
 use crate::groups;
+use declare::{Variable, variables};
 
-/// Parameters of the motor and its modes of use.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Parameters {
-    /// Structural choices, constant over the run.
-    pub choices: Choices,
-    /// The drive.
-    pub drive: Idle,
-    /// Winding and magnets.
-    pub motor: Motor,
-    /// Heat capacities and resistances.
-    pub thermal: Thermal,
-    /// Cooling with a given conductance.
-    pub conductance: Conductance,
-    /// Dimensions and surface of the motor.
-    pub housing: Housing,
-    /// The fan.
-    pub fan: Fan,
-    /// The tube around the motor.
-    pub annulus: Annulus,
-    /// The water jacket.
-    pub jacket: Jacket,
-    /// Limits of validity.
-    pub validity: Validity,
-    /// Initial state.
-    pub initial: Initial,
-    /// Effects, each off by default.
-    pub effects: Effects,
+variables! {
+    /// Choices that hold for the whole run.
+    pub struct Choices {
+        /// Electrical drive
+        drive_mode: DriveMode = Variable::choice(80, 1),
+        /// Mechanical boundary condition of the shaft
+        mechanical_mode: MechanicalMode = Variable::choice(81, 1),
+        /// Cooling of the housing
+        cooling_mode: CoolingMode = Variable::choice(82, 1),
+        /// Commutation of the phase currents
+        commutation: Commutation = Variable::choice(83, 1),
+        /// Number of housing segments along the axis (not in cooling_mode conductance)
+        air_segments: i32 = Variable::count(84, 8, 1, 64)
+            .source("grid study: physics/tests/network.rs"),
+    }
 }
 
 groups! {
-    Parameters {
-        "" @ 0 => choices: Choices,
-        "drive." @ 85 => drive: Idle,
-        "motor." @ 100 => motor: Motor,
-        "thermal." @ 200 => thermal: Thermal,
-        "conductance." @ 300 => conductance: Conductance,
-        "housing." @ 400 => housing: Housing,
-        "fan." @ 500 => fan: Fan,
-        "annulus." @ 600 => annulus: Annulus,
-        "jacket." @ 670 => jacket: Jacket,
-        "validity." @ 650 => validity: Validity,
-        "initial." @ 660 => initial: Initial,
-    } then effects: Effects
+    /// Parameters of the motor and its modes of use.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub struct Parameters {
+        /// Structural choices, constant over the run.
+        choices: Choices = "" @ 0,
+        /// The drive.
+        drive: Idle = "drive." @ 85,
+        /// Winding and magnets.
+        motor: Motor = "motor." @ 100,
+        /// Heat capacities and resistances.
+        thermal: Thermal = "thermal." @ 200,
+        /// Cooling with a given conductance.
+        conductance: Conductance = "conductance." @ 300,
+        /// Dimensions and surface of the motor.
+        housing: Housing = "housing." @ 400,
+        /// Parts of the cooling modes.
+        cooling: Parts,
+        /// Limits of validity.
+        validity: Validity = "validity." @ 650,
+        /// Initial state.
+        initial: Initial = "initial." @ 660,
+        /// Effects, each off by default.
+        effects: Effects,
+    }
 }
 
 impl Parameters {

@@ -4,6 +4,7 @@
 //! and stator, rotor and housing temperatures are linear in time; the network then receives their heat. A substep with too
 //! large an error is rejected and shortened. For communication steps of milliseconds one substep is enough.
 
+use super::cooling::Conditions;
 use super::equations::{NODES, Step, ThermalCoupling};
 use super::motor::AnnulusCooledMotor;
 use super::network::{CouplingIntegrals, Network};
@@ -22,10 +23,8 @@ use declare::Group;
 
 /// A substep shorter than this fraction of the communication step is a step failure.
 const LEAST_SHARE: f64 = 1e-9;
-/// Largest change within a substep of cooling inputs that are constant over it: fan command 1, ambient K, pressure Pa, coolant K.
-const MOVE: [f64; 4] = [0.02, 0.25, 500.0, 0.25];
-/// The same for the coolant flow, as a fraction of it, and the minimum change, m3/s.
-const MOVE_FLOW: (f64, f64) = (0.02, 1e-8);
+/// Largest change of the ambient temperature within a substep, K; the cooling has its midpoint value.
+const MOVE: f64 = 0.25;
 
 impl AnnulusCooledMotor {
     /// A step without an event inside.
@@ -136,12 +135,8 @@ impl AnnulusCooledMotor {
 
     /// Longest substep over which the cooling inputs may be constant at their midpoint values, s.
     fn longest_piece(&self) -> f64 {
-        let s = &self.slopes;
-        let slopes = [s.fan_command, s.ambient_temperature, s.ambient_pressure, s.coolant_inlet_temperature];
-        let flow = MOVE_FLOW.0 * self.inputs.coolant_flow_rate + MOVE_FLOW.1;
-        let all = slopes.into_iter().zip(MOVE).chain([(s.coolant_flow_rate, flow)]);
-        let times = all.map(|(slope, way)| way / slope.abs());
-        times.fold(f64::INFINITY, f64::min)
+        let inputs = Conditions::longest_substep(&self.inputs, &self.slopes);
+        inputs.min(MOVE / self.slopes.ambient_temperature.abs())
     }
 
     /// One substep. `Ok(Err(h))` if it must be shortened to `h` seconds; the state is then unchanged.

@@ -1,6 +1,5 @@
-//! Inputs, outputs and choices of the motor. The parameters are declared with their components.
+//! Inputs and outputs of the motor.
 
-use crate::components::commutation::Commutation;
 use declare::{Unit, Variable, enumeration, variables};
 
 enumeration! {
@@ -24,41 +23,6 @@ enumeration! {
         FreeShaft = 1, "free_shaft";
         /// Imposed speed: the shaft turns at imposed_speed.
         ImposedSpeed = 2, "imposed_speed";
-    }
-}
-
-enumeration! {
-    /// Path of the heat from the housing to ambient.
-    pub enum CoolingMode {
-        /// Ambient conductance that the fan increases; the only nodes are winding and housing.
-        Conductance = 1, "conductance";
-        /// Natural convection and radiation in still air.
-        Bare = 2, "bare";
-        /// Fan in crossflow.
-        FanCrossflow = 3, "fan_crossflow";
-        /// Annulus: a fan pushes air through a tube around the motor.
-        AnnulusPush = 4, "annulus_push";
-        /// Annulus: a fan pulls air through a tube around the motor.
-        AnnulusPull = 5, "annulus_pull";
-        /// Water jacket: water flows through channels along the housing.
-        WaterJacket = 6, "water_jacket";
-    }
-}
-
-variables! {
-    /// Choices that hold for the whole run.
-    pub struct Choices {
-        /// Electrical drive
-        drive_mode: DriveMode = Variable::choice(80, 1),
-        /// Mechanical boundary condition of the shaft
-        mechanical_mode: MechanicalMode = Variable::choice(81, 1),
-        /// Cooling of the housing
-        cooling_mode: CoolingMode = Variable::choice(82, 1),
-        /// Commutation of the phase currents
-        commutation: Commutation = Variable::choice(83, 1),
-        /// Number of housing segments along the axis (not in cooling_mode conductance)
-        air_segments: i32 = Variable::count(84, 8, 1, 64)
-            .source("grid study: physics/tests/network.rs"),
     }
 }
 

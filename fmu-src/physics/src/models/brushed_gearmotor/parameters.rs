@@ -10,34 +10,25 @@ use crate::effects::{Effects, Port};
 use crate::groups;
 use crate::model::Unserved;
 
-/// Parameters of the gearmotor and its modes of use.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Parameters {
-    /// Winding, brushes and magnets.
-    pub motor: Armature,
-    /// Heat capacities and conductances.
-    pub thermal: Enclosure,
-    /// The gear and its friction.
-    pub gear: Gear,
-    /// The H-bridge.
-    pub drive: Drive,
-    /// Limits of validity.
-    pub validity: BrushedValidity,
-    /// Initial state.
-    pub initial: Initial,
-    /// Effects, each off by default.
-    pub effects: Effects,
-}
-
 groups! {
-    Parameters {
-        "motor." @ 100 => motor: Armature,
-        "thermal." @ 200 => thermal: Enclosure,
-        "gear." @ 300 => gear: Gear,
-        "drive." @ 400 => drive: Drive,
-        "validity." @ 650 => validity: BrushedValidity,
-        "initial." @ 660 => initial: Initial,
-    } then effects: Effects
+    /// Parameters of the gearmotor and its modes of use.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub struct Parameters {
+        /// Winding, brushes and magnets.
+        motor: Armature = "motor." @ 100,
+        /// Heat capacities and conductances.
+        thermal: Enclosure = "thermal." @ 200,
+        /// The gear and its friction.
+        gear: Gear = "gear." @ 300,
+        /// The H-bridge.
+        drive: Drive = "drive." @ 400,
+        /// Limits of validity.
+        validity: BrushedValidity = "validity." @ 650,
+        /// Initial state.
+        initial: Initial = "initial." @ 660,
+        /// Effects, each off by default.
+        effects: Effects,
+    }
 }
 
 impl Parameters {

@@ -28,18 +28,15 @@ pub type At<'a> = Now<'a, Inputs, STATES, 0>;
 const STRIDE: usize = 0;
 const ENERGY: usize = 1;
 
-/// The walking person.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Walker {
-    /// Body, activity, joint.
-    pub gait: Gait,
-    /// Cycle of the activity `table`, if set.
-    table: Option<Arc<Cycle>>,
-}
-
 groups! {
-    Walker {
-        "gait." @ 100 => gait: Gait,
+    /// The walking person.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct Walker {
+        /// Body, activity, joint.
+        gait: Gait = "gait." @ 100,
+    } and {
+        /// Cycle of the activity `table`, if set.
+        table: Option<Arc<Cycle>>
     }
 }
 

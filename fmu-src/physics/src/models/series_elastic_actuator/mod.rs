@@ -41,28 +41,20 @@ pub type SeriesElasticActuator = Runtime<Explicit<Actuator, STATES, OPENING>, ST
 /// Inputs and states at one instant.
 pub type At<'a> = Now<'a, Inputs, STATES, OPENING>;
 
-/// Components of the actuator.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Actuator {
-    /// Gear or ball screw.
-    pub transmission: Transmission,
-    /// Spring in series with the transmission.
-    pub spring: SeriesSpring,
-    /// Spring parallel to transmission and series spring.
-    pub parallel: ParallelSpring,
-    /// Torque and current control.
-    pub control: TorqueControl,
-    /// Drive and its supply.
-    pub drive: Supply,
-}
-
 groups! {
-    Actuator {
-        "transmission." @ 100 => transmission: Transmission,
-        "spring." @ 200 => spring: SeriesSpring,
-        "parallel." @ 300 => parallel: ParallelSpring,
-        "control." @ 400 => control: TorqueControl,
-        "drive." @ 500 => drive: Supply,
+    /// Components of the actuator.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub struct Actuator {
+        /// Gear or ball screw.
+        transmission: Transmission = "transmission." @ 100,
+        /// Spring in series with the transmission.
+        spring: SeriesSpring = "spring." @ 200,
+        /// Spring parallel to transmission and series spring.
+        parallel: ParallelSpring = "parallel." @ 300,
+        /// Torque and current control.
+        control: TorqueControl = "control." @ 400,
+        /// Drive and its supply.
+        drive: Supply = "drive." @ 500,
     }
 }
 

@@ -13,35 +13,40 @@ pub struct Annulus(pub FlowDirection);
 
 impl Method for Annulus {
     fn mass(&self, parameters: &Parameters) -> f64 {
-        parameters.fan.mass + parameters.annulus.mass
+        parameters.cooling.fan.mass + parameters.cooling.annulus.mass
     }
 
     fn tube_capacity(&self, parameters: &Parameters) -> f64 {
-        parameters.annulus.capacity()
+        parameters.cooling.annulus.capacity()
     }
 
     fn gap(&self, parameters: &Parameters) -> Option<Gap> {
-        Some(Gap::new(&parameters.annulus, &parameters.housing, parameters.fan.opening(), self.0))
+        Some(Gap::new(
+            &parameters.cooling.annulus,
+            &parameters.housing,
+            parameters.cooling.fan.opening(),
+            self.0,
+        ))
     }
 
     fn fault(&self, parameters: &Parameters) -> Option<String> {
-        parameters.fan.fault().or_else(|| parameters.annulus.fault(&parameters.housing))
+        parameters.cooling.fan.fault().or_else(|| parameters.cooling.annulus.fault(&parameters.housing))
     }
 
     fn add(&self, site: &Site, c: &mut Coefficients) {
         let Some(gap) = site.gap else { return };
         let Site { parameters: p, at, command, .. } = *site;
         let free = site.free();
-        let (housing, annulus, fan) = (&p.housing, &p.annulus, &p.fan);
+        let (housing, annulus, fan) = (&p.housing, &p.cooling.annulus, &p.cooling.fan);
         let factor = annulus.factor(self.0);
-        let (n, rho) = (site.segments, density(at.ambient, at.pressure));
+        let (n, rho) = (site.segments, density(at.ambient, at.ambient_pressure));
         let (inner, outer) = (housing.lateral_area() * gap.length / housing.length, gap.wall_area);
         // Air properties are those at its mean temperature, which depends on the flow: two iterations are enough.
         let (mut mean, mut air) =
-            (at.ambient + 0.2 * (at.surface - at.ambient), Air::at(at.ambient, at.pressure));
+            (at.ambient + 0.2 * (at.surface - at.ambient), Air::at(at.ambient, at.ambient_pressure));
         let mut mass_flow = 0.0;
         for _ in 0..2 {
-            air = Air::at(mean, at.pressure);
+            air = Air::at(mean, at.ambient_pressure);
             let system = |q: f64| {
                 let drop = gap.pressure(rho * q, &air) - site.buoyancy(gap, rho * q, &air, factor);
                 (drop, gap.leak(drop, rho))
@@ -68,8 +73,8 @@ impl Method for Annulus {
         let developed = factor * gap.heated.nu_developed() * air.k / gap.d_h * (inner + outer);
         let graetz = c.m_flow_cp * gap.d_h * gap.d_h / (air.k * gap.section * gap.length);
         let still = (-graetz).exp();
-        let beyond =
-            still * (gap.at_rest(at.surface, at.tube, at.pressure) / (share * (1.0 - share)) - developed);
+        let beyond = still
+            * (gap.at_rest(at.surface, at.tube, at.ambient_pressure) / (share * (1.0 - share)) - developed);
         c.behind = -(-c.m_flow_cp * gap.d_h / (air.k * gap.section)).exp_m1();
         let dx = housing.length / n as f64;
         for (k, covered) in site.covered(0.0, gap.length) {
@@ -89,7 +94,7 @@ impl Method for Annulus {
             1.0 / housing.emissivity.max(1e-9) + inner / outer * (1.0 / annulus.emissivity.max(1e-9) - 1.0);
         let black = radiation::coefficient(1.0, at.surface, at.tube);
         c.to_tube = black / resistance * inner / n as f64;
-        c.tube_to_ambient = gap.tube_to_ambient(annulus, at.tube, at.ambient, at.pressure);
+        c.tube_to_ambient = gap.tube_to_ambient(annulus, at.tube, at.ambient, at.ambient_pressure);
     }
 }
 
@@ -105,7 +110,7 @@ impl Site<'_> {
         let nu = gap.heated.mean(gap.reynolds(m, air), air.pr, gap.length / gap.d_h);
         let ntu = factor * nu * air.k / gap.d_h * both / (m * air.c_p).max(1e-12);
         let mean = at.ambient + (wall - at.ambient) * (1.0 + (-ntu).exp_m1() / ntu);
-        gap.buoyancy(mean, at.ambient, at.pressure)
+        gap.buoyancy(mean, at.ambient, at.ambient_pressure)
     }
 }
 

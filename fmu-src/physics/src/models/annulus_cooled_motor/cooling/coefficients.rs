@@ -12,71 +12,6 @@
 //! *Source*: (2) Incropera, 7th ed., eq. 8.41; the correlations in `correlations/`.
 
 use crate::components::housing::SEGMENTS;
-use crate::models::annulus_cooled_motor::variables::Inputs;
-
-/// Conditions that determine the coefficients.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Conditions {
-    /// Mean temperature of the housing, K.
-    pub surface: f64,
-    /// Temperature of the tube, K.
-    pub tube: f64,
-    /// Ambient temperature, K.
-    pub ambient: f64,
-    /// Pressure of the air, Pa.
-    pub pressure: f64,
-    /// Fan command, 0 to 1.
-    pub command: f64,
-    /// Inlet temperature of the coolant, K.
-    pub coolant_inlet: f64,
-    /// Volume flow rate of the coolant, m3/s.
-    pub coolant_flow: f64,
-}
-
-impl Conditions {
-    /// Conditions before the first evaluation: unequal to all others.
-    pub const NONE: Conditions = Conditions {
-        surface: f64::NAN,
-        tube: f64::NAN,
-        ambient: f64::NAN,
-        pressure: f64::NAN,
-        command: f64::NAN,
-        coolant_inlet: f64::NAN,
-        coolant_flow: f64::NAN,
-    };
-
-    /// The conditions of these inputs, with the temperatures of housing (`surface`), tube and true ambient, K.
-    pub fn of(inputs: &Inputs, surface: f64, tube: f64, ambient: f64) -> Conditions {
-        Conditions {
-            surface,
-            tube,
-            ambient,
-            pressure: inputs.ambient_pressure,
-            command: inputs.fan_command,
-            coolant_inlet: inputs.coolant_inlet_temperature,
-            coolant_flow: inputs.coolant_flow_rate,
-        }
-    }
-
-    /// All values, for a saved instance.
-    pub fn to_numbers(self) -> [f64; 7] {
-        let Conditions { surface, tube, ambient, pressure, command, coolant_inlet, coolant_flow } = self;
-        [surface, tube, ambient, pressure, command, coolant_inlet, coolant_flow]
-    }
-
-    /// Restores the numbers of [`to_numbers`](Self::to_numbers); `None` if there are too few.
-    pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Conditions> {
-        Some(Conditions {
-            surface: next()?,
-            tube: next()?,
-            ambient: next()?,
-            pressure: next()?,
-            command: next()?,
-            coolant_inlet: next()?,
-            coolant_flow: next()?,
-        })
-    }
-}
 
 /// Coefficients of the air and the coolant, linear in all temperatures.
 #[derive(Clone, Copy, Debug)]
@@ -108,10 +43,6 @@ pub struct Coefficients {
     pub fan_power: f64,
     /// Inlet temperature of a coolant, K; `None` for ambient air.
     pub coolant_inlet: Option<f64>,
-    /// Pressure drop of the coolant, Pa.
-    pub coolant_pressure_drop: f64,
-    /// Hydraulic power of the coolant pump, W.
-    pub pump_power: f64,
 }
 
 impl Coefficients {
@@ -130,8 +61,6 @@ impl Coefficients {
         pressure_drop: 0.0,
         fan_power: 0.0,
         coolant_inlet: None,
-        coolant_pressure_drop: 0.0,
-        pump_power: 0.0,
     };
 
     /// Inlet temperature of the flow, K.
@@ -159,8 +88,6 @@ impl Coefficients {
         self.pressure_drop = other.pressure_drop;
         self.fan_power = other.fan_power;
         self.coolant_inlet = other.coolant_inlet;
-        self.coolant_pressure_drop = other.coolant_pressure_drop;
-        self.pump_power = other.pump_power;
     }
 
     /// Adds `z` times `slope` for the first `n` segments.
@@ -179,8 +106,6 @@ impl Coefficients {
         self.behind += z * slope.behind;
         self.pressure_drop += z * slope.pressure_drop;
         self.fan_power += z * slope.fan_power;
-        self.coolant_pressure_drop += z * slope.coolant_pressure_drop;
-        self.pump_power += z * slope.pump_power;
         // The rise is computed from the fan power and the heat capacity rate, so that energy is conserved.
         self.inlet_rise = if self.m_flow_cp > 0.0 { self.fan_power / self.m_flow_cp } else { 0.0 };
     }

@@ -12,17 +12,17 @@ pub struct FanCrossflow;
 
 impl Method for FanCrossflow {
     fn mass(&self, parameters: &Parameters) -> f64 {
-        parameters.fan.mass
+        parameters.cooling.fan.mass
     }
 
     fn fault(&self, parameters: &Parameters) -> Option<String> {
-        parameters.fan.fault()
+        parameters.cooling.fan.fault()
     }
 
     fn add(&self, site: &Site, c: &mut Coefficients) {
         let Site { parameters: p, at, still, command, .. } = *site;
-        let (housing, fan) = (&p.housing, &p.fan);
-        let film = Air::at(0.5 * (at.surface + at.ambient), at.pressure);
+        let (housing, fan) = (&p.housing, &p.cooling.fan);
+        let film = Air::at(0.5 * (at.surface + at.ambient), at.ambient_pressure);
         let (jet, flow) = (fan.jet(), fan.flow_max * command.max(0.0));
         let d = housing.diameter;
         let re = film.reynolds(jet.speed(flow, fan.distance), d);

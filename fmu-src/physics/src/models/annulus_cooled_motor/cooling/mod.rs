@@ -1,161 +1,123 @@
-//! The cooling modes, one file each. [`method`] is the only place that lists them.
-//!
-//! A mode is a [`Method`]: the parts that it adds to the motor, and the heat paths from the segments of the housing as
-//! [`Coefficients`]. `docs/extending.md` describes how to add one.
+//! The cooling modes: one list, one file each. A mode is a [`Method`]; `docs/extending.md` describes how to add one.
 
 mod annulus;
 mod bare;
 mod coefficients;
 mod conductance;
 mod fan_crossflow;
+mod method;
 mod tangent;
 mod water_jacket;
 
-pub use coefficients::{Coefficients, Conditions};
+pub use coefficients::Coefficients;
+pub use method::{Cooling, Method, Site, Stream, mass, without_flow};
 pub use tangent::Tangent;
 
-use super::parameters::Parameters;
-use super::variables::CoolingMode;
-use crate::components::annulus::{FlowDirection, Gap};
-use crate::components::conductance::Conductance;
-use crate::components::housing::StillAir;
-use std::fmt::Debug;
+use super::variables::Inputs;
+use crate::components;
+use crate::components::annulus::FlowDirection;
+use declare::enumeration;
 
-/// A cooling mode.
-pub trait Method: Debug + Sync {
-    /// Whether rotor, stator and housing segments are nodes, and end faces and mount transfer heat; else the whole housing is
-    /// one node.
-    fn has_network(&self) -> bool {
-        true
-    }
-    /// Mass of the parts that the mode adds, kg.
-    fn mass(&self, _parameters: &Parameters) -> f64 {
-        0.0
-    }
-    /// Heat capacity of the tube, J/K; 0 without a tube.
-    fn tube_capacity(&self, _parameters: &Parameters) -> f64 {
-        0.0
-    }
-    /// The gap between motor and tube.
-    fn gap(&self, _parameters: &Parameters) -> Option<Gap> {
-        None
-    }
-    /// Inconsistency between parameters of the mode, in one sentence.
-    fn fault(&self, _parameters: &Parameters) -> Option<String> {
-        None
-    }
-    /// Adds the heat paths of the lateral surface to coefficients without any.
-    fn add(&self, site: &Site, c: &mut Coefficients);
-}
-
-/// The method of a mode.
-pub fn method(mode: CoolingMode) -> &'static dyn Method {
-    match mode {
-        CoolingMode::Conductance => &conductance::GivenConductance,
-        CoolingMode::Bare => &bare::Bare,
-        CoolingMode::FanCrossflow => &fan_crossflow::FanCrossflow,
-        CoolingMode::AnnulusPush => &annulus::Annulus(FlowDirection::Push),
-        CoolingMode::AnnulusPull => &annulus::Annulus(FlowDirection::Pull),
-        CoolingMode::WaterJacket => &water_jacket::WaterJacket,
-    }
-}
-
-/// Mass of the motor including the parts that its cooling mode adds, kg.
-pub fn mass(parameters: &Parameters) -> f64 {
-    parameters.motor.mass + method(parameters.choices.cooling_mode).mass(parameters)
-}
-
-/// A motor under one set of conditions.
-#[derive(Debug)]
-pub struct Site<'a> {
-    /// The motor.
-    pub parameters: &'a Parameters,
-    /// The conditions.
-    pub at: &'a Conditions,
-    /// Fan command after the effects at the port fan_flow.
-    pub command: f64,
-    /// Coefficients in still air.
-    pub still: StillAir,
-    /// Number of segments of the housing.
-    pub segments: usize,
-    /// The gap between motor and tube.
-    pub gap: Option<&'a Gap>,
-}
-
-impl Site<'_> {
-    /// Conductance of one segment in still air, W/K.
-    pub fn free(&self) -> f64 {
-        let lateral = self.parameters.housing.lateral_area() / self.segments as f64;
-        lateral * (self.still.lateral + self.still.radiation)
-    }
-
-    /// Each segment with the fraction of its length between two axial positions.
-    pub fn covered(&self, from: f64, to: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let n = self.segments;
-        let dx = self.parameters.housing.length / n as f64;
-        (0..n).map(move |k| {
-            let x = dx * k as f64;
-            (k, ((to.min(x + dx) - from.max(x)) / dx).clamp(0.0, 1.0))
-        })
-    }
-
-    /// Conductance that effects add to the housing, W/K.
-    fn by_effects(&self) -> f64 {
-        let (at, effects) = (self.at, &self.parameters.effects);
-        let rise = at.surface - at.ambient;
-        let curved = if rise.abs() > 1e-3 {
-            effects.housing_to_ambient(at.surface, at.ambient) / rise
-        } else {
-            effects.housing_to_ambient_slope(at.surface, at.ambient)
-        };
-        effects.ambient_conductance(Conductance::share(self.command)).housing + curved
-    }
-}
-
-/// The cooling of one motor, from its parameters alone.
-#[derive(Clone, Copy, Debug)]
-pub struct Cooling {
-    /// Number of segments of the housing.
-    pub segments: usize,
-    method: &'static dyn Method,
-    gap: Option<Gap>,
-}
-
-impl Cooling {
-    /// The cooling of a motor with a housing of `segments` segments.
-    pub fn new(parameters: &Parameters, segments: usize) -> Cooling {
-        let method = method(parameters.choices.cooling_mode);
-        Cooling { segments, method, gap: method.gap(parameters) }
-    }
-
-    /// Whether the coefficients depend on the temperature of a tube.
-    pub fn has_tube(&self) -> bool {
-        self.gap.is_some()
-    }
-
-    /// The coefficients at one set of conditions: those of the method, of effects, and of end faces and mount.
-    pub fn coefficients(&self, parameters: &Parameters, at: &Conditions) -> Coefficients {
-        let p = parameters;
-        let site = Site {
-            parameters,
-            at,
-            command: p.effects.fan_flow(at.command),
-            still: p.housing.still_air(at.surface, at.ambient, at.pressure),
-            segments: self.segments,
-            gap: self.gap.as_ref(),
-        };
-        let mut c = Coefficients::NONE;
-        self.method.add(&site, &mut c);
-        let has_network = self.method.has_network();
-        let everywhere = site.by_effects() + if has_network { p.thermal.G_mount } else { 0.0 };
-        for direct in &mut c.ambient_conductance[..self.segments] {
-            *direct += everywhere / self.segments as f64;
+/// Declares the modes, and the inputs that they depend on. A line of the modes is
+///
+/// ```text
+/// Item = number, "name": Method [, field: Part = "prefix." @ base];
+/// ```
+///
+/// with the method, and the parameters of the part that the mode adds to the motor. A line of the inputs has two changes, each absolute
+/// and as a fraction of the value: from the first on the coefficients are evaluated again, the second is the largest over a substep,
+/// over which the inputs of the cooling are constant.
+macro_rules! cooling {
+    (modes { $($(#[doc = $doc:literal])* $mode:ident = $value:literal, $name:literal: $method:expr
+        $(, $field:ident: $part:ty = $prefix:literal @ $base:literal)?;)* }
+    inputs { $($input:ident: $near:expr, $over:expr;)* }) => {
+        enumeration! {
+            /// Path of the heat from the housing to ambient.
+            pub enum CoolingMode { $($(#[doc = $doc])* $mode = $value, $name;)* }
         }
-        if has_network {
-            let ends = p.housing.end_area() * (site.still.end + site.still.radiation);
-            c.ambient_conductance[0] += ends;
-            c.ambient_conductance[self.segments - 1] += ends;
+
+        crate::groups! {
+            /// Parts that cooling modes add to the motor.
+            #[derive(Clone, Copy, Debug, Default, PartialEq)]
+            pub struct Parts {
+                $($(#[doc = concat!("Part of [`", stringify!($mode), "`](CoolingMode::", stringify!($mode), ").")]
+                $field: $part = $prefix @ $base,)?)*
+            }
         }
-        c
+
+        /// The method of a mode.
+        pub fn method(mode: CoolingMode) -> &'static dyn Method {
+            match mode { $(CoolingMode::$mode => &$method),* }
+        }
+
+        /// Conditions that determine the coefficients: temperatures, and inputs of the motor.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Conditions {
+            /// Mean temperature of the housing, K.
+            pub surface: f64,
+            /// Temperature of the tube, K.
+            pub tube: f64,
+            /// Ambient temperature, K.
+            pub ambient: f64,
+            $(#[doc = concat!("[`", stringify!($input), "`](Inputs::", stringify!($input), ").")] pub $input: f64,)*
+        }
+
+        crate::saved!(Conditions { surface, tube, ambient, $($input),* });
+
+        impl Conditions {
+            /// Conditions before the first evaluation: unequal to all others.
+            pub const NONE: Conditions =
+                Conditions { surface: f64::NAN, tube: f64::NAN, ambient: f64::NAN, $($input: f64::NAN),* };
+
+            /// The conditions of these inputs, with the temperatures of housing (`surface`), tube and true ambient, K.
+            pub fn of(inputs: &Inputs, surface: f64, tube: f64, ambient: f64) -> Conditions {
+                Conditions { surface, tube, ambient, $($input: inputs.$input),* }
+            }
+
+            /// Whether coefficients of these conditions serve for the inputs of others.
+            #[inline]
+            pub fn serve(&self, now: &Conditions) -> bool {
+                true $(&& (self.$input - now.$input).abs() <= change($near, self.$input))*
+            }
+
+            /// Longest substep over which the inputs may be constant, s.
+            pub fn longest_substep(inputs: &Inputs, slopes: &Inputs) -> f64 {
+                f64::INFINITY $(.min(change($over, inputs.$input) / slopes.$input.abs()))*
+            }
+        }
+    };
+}
+
+/// A change of a value: absolute, and as a fraction of it.
+#[inline(always)]
+fn change([absolute, relative]: [f64; 2], value: f64) -> f64 {
+    relative * value + absolute
+}
+
+cooling! {
+    modes {
+        /// Ambient conductance that the fan increases; the only nodes are winding and housing.
+        Conductance = 1, "conductance": conductance::GivenConductance;
+        /// Natural convection and radiation in still air.
+        Bare = 2, "bare": bare::Bare;
+        /// Fan in crossflow.
+        FanCrossflow = 3, "fan_crossflow": fan_crossflow::FanCrossflow, fan: components::fan::Fan = "fan." @ 500;
+        /// Annulus: a fan pushes air through a tube around the motor.
+        AnnulusPush = 4, "annulus_push": annulus::Annulus(FlowDirection::Push),
+            annulus: components::annulus::Annulus = "annulus." @ 600;
+        /// Annulus: a fan pulls air through a tube around the motor.
+        AnnulusPull = 5, "annulus_pull": annulus::Annulus(FlowDirection::Pull);
+        /// Water jacket: water flows through channels along the housing.
+        WaterJacket = 6, "water_jacket": water_jacket::WaterJacket, jacket: components::jacket::Jacket = "jacket." @ 670;
+    }
+    inputs {
+        // Pa
+        ambient_pressure: [0.0, 0.0], [500.0, 0.0];
+        // For a flow that is a power of the command, the linearization has an error of 1e-4 at the first change.
+        fan_command: [0.0, 0.02], [0.02, 0.0];
+        // K; the properties of water change by 2 % per kelvin.
+        coolant_inlet_temperature: [0.02, 0.0], [0.25, 0.0];
+        // m3/s
+        coolant_flow_rate: [0.0, 0.0], [1e-8, 0.02];
     }
 }

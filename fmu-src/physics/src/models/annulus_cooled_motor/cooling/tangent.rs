@@ -1,8 +1,7 @@
 //! Linearized coefficients of the cooling: an evaluation of the correlations takes longer than a step of 1 ms and the coefficients
 //! change slowly, so they are linearized between two evaluations.
 
-use super::Cooling;
-use super::coefficients::{Coefficients, Conditions};
+use super::{Coefficients, Conditions, Cooling};
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 
 /// Coefficients for one set of conditions, with their derivatives.
@@ -24,9 +23,7 @@ const RISE: f64 = 1.0;
 /// Temperature change that requires a new evaluation, K. The linearization error is of second order: for natural
 /// convection at 40 K above ambient it is 4e-6 of the conductance at this limit.
 const NEAR: f64 = 0.25;
-/// Relative change of the fan command that requires a new evaluation, and relative step of its finite difference. For a
-/// flow that is a power of the command the error at this limit is 1e-4.
-const NEAR_COMMAND: f64 = 0.02;
+/// Relative step of the finite difference of the fan command.
 const BACK: f64 = 0.01;
 /// [`NEAR`] of housing and tube at ambient temperature, where natural convection is most nonlinear, K, and its increase per
 /// kelvin above ambient. The finite difference for the tube has this step.
@@ -34,7 +31,7 @@ const NEAR_AT_REST: f64 = 0.02;
 const NEAR_AT_REST_TUBE: f64 = 0.005;
 const PER_KELVIN: f64 = 0.02;
 
-/// Limit for coolant inlet and cooled surface, K: coolant properties change by 2 % per kelvin, the conductance is tens of
+/// Limit for the surface cooled by a coolant, K: coolant properties change by 2 % per kelvin, the conductance is tens of
 /// times that of air, and the correlations take a tenth of the time of a fan's operating point.
 const NEAR_COOLANT: f64 = 0.02;
 
@@ -68,10 +65,7 @@ impl Tangent {
     #[inline]
     pub fn serves(&self, now: &Conditions) -> bool {
         let at = &self.at;
-        (at.command - now.command).abs() <= NEAR_COMMAND * at.command
-            && at.pressure == now.pressure
-            && at.coolant_flow == now.coolant_flow
-            && (at.coolant_inlet - now.coolant_inlet).abs() <= NEAR_COOLANT
+        at.serve(now)
             && self.beyond(now).abs() <= self.reach()
             && (at.ambient - now.ambient).abs() <= NEAR
             && self.beyond_tube(now).abs() <= reach_tube(at)
@@ -114,17 +108,17 @@ impl Tangent {
         if let Some(by_tube) = &self.by_tube {
             out.change(by_tube, self.beyond_tube(now) / reach_tube(&self.at), n);
         }
-        out.coolant_inlet = self.base.coolant_inlet.map(|_| now.coolant_inlet);
-        if now.command != self.at.command {
+        out.coolant_inlet = self.base.coolant_inlet.map(|_| now.coolant_inlet_temperature);
+        if now.fan_command != self.at.fan_command {
             // Depends only on the conditions of the evaluation, so that the result does not depend on when it is computed.
             let (base, at) = (&self.base, self.at);
             let by_command = self.by_command.get_or_insert_with(|| {
-                let slower = Conditions { command: at.command * (1.0 - BACK), ..at };
+                let slower = Conditions { fan_command: at.fan_command * (1.0 - BACK), ..at };
                 let mut slope = *base;
                 slope.change(&cooling.coefficients(parameters, &slower), -1.0, n);
                 slope
             });
-            let share = (now.command / self.at.command - 1.0) / BACK;
+            let share = (now.fan_command / self.at.fan_command - 1.0) / BACK;
             out.change(by_command, share, n);
         }
     }

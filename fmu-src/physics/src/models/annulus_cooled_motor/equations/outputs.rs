@@ -4,24 +4,10 @@ use super::{CORE, Ends, NODES, Step, WINDING};
 use crate::components::commutation::Phases;
 use crate::ledger::{Account, Ledger};
 use crate::model::HousingHeat;
-use crate::models::annulus_cooled_motor::cooling::mass;
+use crate::models::annulus_cooled_motor::cooling::{mass, without_flow};
 use crate::models::annulus_cooled_motor::network::Network;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, EnergyBalance, Outputs};
 use crate::solver::split::{State, System};
-
-/// Output values of network and cooling.
-struct Outside {
-    /// Heat flow to ambient, W.
-    to_ambient: f64,
-    /// Outlet temperature of the air, K.
-    air_outlet: f64,
-    /// Outlet temperature of the coolant, K.
-    coolant_outlet: f64,
-    /// Heat flow to the coolant, W.
-    to_coolant: f64,
-    /// Power balance residual of the network, W.
-    error: f64,
-}
 
 impl<const PLAIN: bool> Step<'_, PLAIN> {
     /// Outputs at the start of the step; `t_sensor` is the temperature of the housing sensor.
@@ -110,17 +96,14 @@ impl<const PLAIN: bool> Step<'_, PLAIN> {
         let w = x[1];
         let mut p = self.point(0.0, x, temperature);
         let capacity = self.capacity();
-        let outside = match network {
+        let (cooling, heat_to_ambient, error) = match network {
             Some(network) => self.network_books(state, network, p.drive, &mut p.ledger),
-            None => Outside {
-                to_ambient: p.to_ambient,
-                air_outlet: self.ambient.start,
-                coolant_outlet: self.inputs.coolant_inlet_temperature,
-                to_coolant: 0.0,
-                error: p.ledger.error(&[(Ambient, p.to_ambient)]),
-            },
+            None => {
+                let error = p.ledger.error(&[(Ambient, p.to_ambient)]);
+                (without_flow(self.inputs, self.ambient.start), p.to_ambient, error)
+            }
         };
-        let power_balance_error = outside.error
+        let power_balance_error = error
             + p.ledger.error(&[
                 (Terminals, -p.power_in),
                 (AirGap, 0.0),
@@ -132,36 +115,31 @@ impl<const PLAIN: bool> Step<'_, PLAIN> {
         let copper = self.copper_loss(state, p.drive);
         let stored = self.stored(state, origin) + network.map_or(0.0, |n| n.stored(origin));
         EnergyBalance {
-            air_outlet_temperature: outside.air_outlet,
-            air_flow_rate: network.map_or(0.0, |n| n.coefficients().flow),
-            air_pressure_drop: network.map_or(0.0, |n| n.coefficients().pressure_drop),
             power_electrical: p.power_in - self.inputs.heat_power - model.effects.winding_heat(),
             power_mechanical: p.shaft_torque * w,
             loss_copper: copper,
             loss_iron: self.iron_drag(w) * w,
             loss_friction: p.drag * w,
             loss_drive: p.drive,
-            heat_to_ambient: outside.to_ambient,
+            heat_to_ambient,
             power_balance_error,
             energy_electrical: energy_in,
             energy_mechanical: energy_out,
             energy_heat_to_ambient: energy_heat,
             energy_balance_error: energy_in - energy_out - energy_heat - (stored - stored_at_start),
-            coolant_outlet_temperature: outside.coolant_outlet,
-            coolant_pressure_drop: network.map_or(0.0, |n| n.coefficients().coolant_pressure_drop),
-            pump_power: network.map_or(0.0, |n| n.coefficients().pump_power),
-            heat_to_coolant: outside.to_coolant,
+            ..cooling
         }
     }
 
-    /// Enters the flows of the network, each at both ends, and compares them with the derivatives of its temperatures.
+    /// Enters the flows of the network, each at both ends, and compares them with the derivatives of its temperatures. Returns the
+    /// outputs of the cooling, the heat flow to ambient, W, and the power balance residual of the network, W.
     fn network_books(
         &self,
         state: &State<NODES>,
         network: &Network,
         drive: f64,
         ledger: &mut Ledger,
-    ) -> Outside {
+    ) -> (EnergyBalance, f64, f64) {
         use Account::*;
         let (x, temperature) = (&state.x, &state.temperature);
         let (t_w, t_core) = (temperature[WINDING], temperature[CORE]);
@@ -197,13 +175,6 @@ impl<const PLAIN: bool> Step<'_, PLAIN> {
             (Fan, -network.coefficients().fan_power),
             (Ambient, to_ambient + network.coefficients().fan_power),
         ]);
-        let (air_outlet, coolant_outlet, to_coolant) = match network.coefficients().coolant_inlet {
-            None => {
-                let behind = ambient + network.coefficients().behind * (flows.outlet - ambient);
-                (behind, self.inputs.coolant_inlet_temperature, 0.0)
-            }
-            Some(_) => (ambient, flows.outlet, flows.housing_to_air),
-        };
-        Outside { to_ambient, air_outlet, coolant_outlet, to_coolant, error }
+        (network.show(self.model, self.inputs, ambient, &flows), to_ambient, error)
     }
 }

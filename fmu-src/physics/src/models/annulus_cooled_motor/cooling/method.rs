@@ -1,0 +1,173 @@
+//! A cooling mode as a [`Method`]: the parts that it adds to the motor, the heat paths from the segments of the housing as
+//! [`Coefficients`], and its outputs.
+
+use super::{Coefficients, Conditions, method};
+use crate::components::annulus::Gap;
+use crate::components::conductance::Conductance;
+use crate::components::housing::StillAir;
+use crate::models::annulus_cooled_motor::parameters::Parameters;
+use crate::models::annulus_cooled_motor::variables::{EnergyBalance, Inputs};
+use declare::Group;
+use std::fmt::Debug;
+
+/// A cooling mode.
+pub trait Method: Debug + Sync {
+    /// Whether rotor, stator and housing segments are nodes, and end faces and mount transfer heat; else the whole housing is
+    /// one node.
+    fn has_network(&self) -> bool {
+        true
+    }
+    /// Mass of the parts that the mode adds, kg.
+    fn mass(&self, _parameters: &Parameters) -> f64 {
+        0.0
+    }
+    /// Heat capacity of the tube, J/K; 0 without a tube.
+    fn tube_capacity(&self, _parameters: &Parameters) -> f64 {
+        0.0
+    }
+    /// The gap between motor and tube.
+    fn gap(&self, _parameters: &Parameters) -> Option<Gap> {
+        None
+    }
+    /// Inconsistency between parameters of the mode, in one sentence.
+    fn fault(&self, _parameters: &Parameters) -> Option<String> {
+        None
+    }
+    /// Adds the heat paths of the lateral surface to coefficients without any.
+    fn add(&self, site: &Site, c: &mut Coefficients);
+    /// Fills the outputs of the mode; those of others remain as [`without_flow`].
+    fn show(&self, stream: &Stream, out: &mut EnergyBalance) {
+        let Stream { at, coefficients: c, outlet, .. } = *stream;
+        out.air_outlet_temperature = at.ambient + c.behind * (outlet - at.ambient);
+        (out.air_flow_rate, out.air_pressure_drop) = (c.flow, c.pressure_drop);
+    }
+}
+
+/// The flow along a motor and its conditions, for the outputs.
+#[derive(Clone, Copy, Debug)]
+pub struct Stream<'a> {
+    /// The motor.
+    pub parameters: &'a Parameters,
+    /// The conditions.
+    pub at: &'a Conditions,
+    /// The coefficients at these conditions.
+    pub coefficients: &'a Coefficients,
+    /// Temperature behind the last segment, K.
+    pub outlet: f64,
+    /// Heat flow from the housing to the flow, W.
+    pub heat: f64,
+}
+
+/// Outputs of the cooling without a flow; 0 where none is stated.
+pub fn without_flow(inputs: &Inputs, ambient: f64) -> EnergyBalance {
+    EnergyBalance {
+        air_outlet_temperature: ambient,
+        coolant_outlet_temperature: inputs.coolant_inlet_temperature,
+        ..EnergyBalance::zero()
+    }
+}
+
+/// Mass of the motor including the parts that its cooling mode adds, kg.
+pub fn mass(parameters: &Parameters) -> f64 {
+    parameters.motor.mass + method(parameters.choices.cooling_mode).mass(parameters)
+}
+
+/// A motor under one set of conditions.
+#[derive(Debug)]
+pub struct Site<'a> {
+    /// The motor.
+    pub parameters: &'a Parameters,
+    /// The conditions.
+    pub at: &'a Conditions,
+    /// Fan command after the effects at the port fan_flow.
+    pub command: f64,
+    /// Coefficients in still air.
+    pub still: StillAir,
+    /// Number of segments of the housing.
+    pub segments: usize,
+    /// The gap between motor and tube.
+    pub gap: Option<&'a Gap>,
+}
+
+impl Site<'_> {
+    /// Conductance of one segment in still air, W/K.
+    pub fn free(&self) -> f64 {
+        let lateral = self.parameters.housing.lateral_area() / self.segments as f64;
+        lateral * (self.still.lateral + self.still.radiation)
+    }
+
+    /// Each segment with the fraction of its length between two axial positions.
+    pub fn covered(&self, from: f64, to: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let n = self.segments;
+        let dx = self.parameters.housing.length / n as f64;
+        (0..n).map(move |k| {
+            let x = dx * k as f64;
+            (k, ((to.min(x + dx) - from.max(x)) / dx).clamp(0.0, 1.0))
+        })
+    }
+
+    /// Conductance that effects add to the housing, W/K.
+    fn by_effects(&self) -> f64 {
+        let (at, effects) = (self.at, &self.parameters.effects);
+        let rise = at.surface - at.ambient;
+        let curved = if rise.abs() > 1e-3 {
+            effects.housing_to_ambient(at.surface, at.ambient) / rise
+        } else {
+            effects.housing_to_ambient_slope(at.surface, at.ambient)
+        };
+        effects.ambient_conductance(Conductance::share(self.command)).housing + curved
+    }
+}
+
+/// The cooling of one motor, from its parameters alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Cooling {
+    /// Number of segments of the housing.
+    pub segments: usize,
+    method: &'static dyn Method,
+    gap: Option<Gap>,
+}
+
+impl Cooling {
+    /// The cooling of a motor with a housing of `segments` segments.
+    pub fn new(parameters: &Parameters, segments: usize) -> Cooling {
+        let method = method(parameters.choices.cooling_mode);
+        Cooling { segments, method, gap: method.gap(parameters) }
+    }
+
+    /// Whether the coefficients depend on the temperature of a tube.
+    pub fn has_tube(&self) -> bool {
+        self.gap.is_some()
+    }
+
+    /// Outputs of the mode; see [`Method::show`].
+    pub fn show(&self, stream: &Stream, out: &mut EnergyBalance) {
+        self.method.show(stream, out);
+    }
+
+    /// The coefficients at one set of conditions: those of the method, of effects, and of end faces and mount.
+    pub fn coefficients(&self, parameters: &Parameters, at: &Conditions) -> Coefficients {
+        let p = parameters;
+        let site = Site {
+            parameters,
+            at,
+            command: p.effects.fan_flow(at.fan_command),
+            still: p.housing.still_air(at.surface, at.ambient, at.ambient_pressure),
+            segments: self.segments,
+            gap: self.gap.as_ref(),
+        };
+        let mut c = Coefficients::NONE;
+        self.method.add(&site, &mut c);
+        let has_network = self.method.has_network();
+        let everywhere = site.by_effects() + if has_network { p.thermal.G_mount } else { 0.0 };
+        for direct in &mut c.ambient_conductance[..self.segments] {
+            *direct += everywhere / self.segments as f64;
+        }
+        if has_network {
+            let ends = p.housing.end_area() * (site.still.end + site.still.radiation);
+            c.ambient_conductance[0] += ends;
+            c.ambient_conductance[self.segments - 1] += ends;
+        }
+        c
+    }
+}
