@@ -104,7 +104,7 @@ impl State {
 #[macro_export]
 macro_rules! states {
     ($(#[doc = $sdoc:literal])* pub const $list:ident = {
-        $($(#[doc = $doc:literal])* $name:literal = $row:expr),* $(,)?
+        $($(#[doc = $doc:expr])* $name:literal = $row:expr),* $(,)?
     }) => {
         $(#[doc = $sdoc])*
         pub const $list: &[$crate::State] = &[$(

@@ -132,6 +132,9 @@ pub struct Variable {
     pub doc: &'static str,
     /// Source of the start value; empty if the value is 0, a mode, or computed.
     pub source: &'static str,
+    /// For the initial temperature of a node, whose name is that of the output: outputs at whose measured temperature it starts if its own
+    /// is not measured, the nearest first.
+    pub near: &'static [&'static str],
 }
 
 impl Variable {
@@ -161,6 +164,7 @@ impl Variable {
             unbounded: false,
             doc: "",
             source: "",
+            near: &[],
         }
     }
 
@@ -175,6 +179,13 @@ impl Variable {
     pub const fn fixed(value_reference: u32, start: f64, unit: Unit, min: f64, max: f64) -> Variable {
         let mut row = Variable::tunable(value_reference, start, unit, min, max);
         row.variability = Variability::Fixed;
+        row
+    }
+
+    /// The initial temperature of a node; see [`near`](Variable::near).
+    pub const fn initial_temperature(value_reference: u32, near: &'static [&'static str]) -> Variable {
+        let mut row = Variable::fixed(value_reference, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0);
+        row.near = near;
         row
     }
 

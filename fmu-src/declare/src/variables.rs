@@ -18,7 +18,7 @@
 #[macro_export]
 macro_rules! variables {
     ($(#[doc = $sdoc:literal])* pub struct $name:ident {
-        $($(#[doc = $doc:literal])* $field:ident : $type:ty = $row:expr),* $(,)?
+        $($(#[doc = $doc:expr])* $field:ident : $type:ty = $row:expr),* $(,)?
     }) => {
         $(#[doc = $sdoc])*
         #[allow(non_snake_case)] // symbols are written as in the equations

@@ -34,17 +34,40 @@ pub enum Account {
     Fan,
     /// Heat in the housing, with stator and magnets where they have no own account.
     Housing,
-    /// Heat in the gear, where it has its own temperature.
-    Gear,
-    /// Heat in the box around the motor: its air and walls.
-    Enclosure,
     /// The joint that an actuator moves.
     Joint,
     /// Energy of the springs.
     Spring,
+    /// Heat in a node of a model that lists its nodes, by its index, below [`MOST_NODES`].
+    Node(usize),
 }
 
-const ACCOUNTS: usize = Account::Spring as usize + 1;
+/// Largest number of listed nodes.
+pub const MOST_NODES: usize = 8;
+const ACCOUNTS: usize = Account::Node(MOST_NODES).index();
+
+impl Account {
+    const fn index(self) -> usize {
+        match self {
+            Account::Terminals => 0,
+            Account::Shaft => 1,
+            Account::Ambient => 2,
+            Account::Magnetic => 3,
+            Account::Kinetic => 4,
+            Account::AirGap => 5,
+            Account::Winding => 6,
+            Account::Stator => 7,
+            Account::Rotor => 8,
+            Account::Tube => 9,
+            Account::Air => 10,
+            Account::Fan => 11,
+            Account::Housing => 12,
+            Account::Joint => 13,
+            Account::Spring => 14,
+            Account::Node(node) => 15 + node,
+        }
+    }
+}
 
 /// Flows at one instant, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,13 +78,13 @@ pub struct Ledger {
 impl Ledger {
     /// Enters a flow of `power` watts from one account to another.
     pub fn transfer(&mut self, from: Account, to: Account, power: f64) {
-        self.net[from as usize] -= power;
-        self.net[to as usize] += power;
+        self.net[from.index()] -= power;
+        self.net[to.index()] += power;
     }
 
     /// Power into an account, W.
     pub fn gain(&self, account: Account) -> f64 {
-        self.net[account as usize]
+        self.net[account.index()]
     }
 
     /// Power balance residual, W: the sum over all accounts of the magnitude of the difference between the entered power and

@@ -79,7 +79,7 @@ pub struct Declaration {
     pub description: &'static str,
     /// All groups, in the order of the tables.
     pub groups: Vec<GroupAt>,
-    /// All variables, in the order of the tables; then each state with its derivative.
+    /// All variables, in the order of the groups and of their value references; then each state with its derivative.
     pub entries: Vec<Entry>,
     /// The continuous states, in their order: indices of the entries of state and derivative. States whose number depends on
     /// a parameter come last, so that the states in use are the first ones.
@@ -107,7 +107,9 @@ impl Declaration {
         let mut entries: Vec<Entry> = Vec::new();
         let mut unserved = Vec::new();
         for (g, group) in groups.iter().enumerate() {
-            for (r, row) in group.table.iter().enumerate() {
+            let mut rows: Vec<(usize, &'static Variable)> = group.table.iter().enumerate().collect();
+            rows.sort_by_key(|(_, row)| row.value_reference);
+            for (r, row) in rows {
                 let name = format!("{}{}", group.prefix, row.name);
                 let value_reference = group.base + row.value_reference;
                 if let Some(absent) = without.iter().find(|absent| name.starts_with(absent.start)) {

@@ -6,7 +6,7 @@
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role, Run, Start};
-use crate::initial::{self, Node};
+use crate::initial;
 use crate::overrides::Override;
 use physics::model::{Declaration, Model, ModelType, Slot};
 
@@ -35,8 +35,8 @@ pub struct Drive {
     inputs: Vec<Vec<f64>>,
     /// Start values specific to this run.
     set: Vec<(Slot, f64)>,
-    /// Nodes that do not start at the ambient temperature: node, index among the outputs, first reading in K.
-    warm: Vec<(Node, usize, f64)>,
+    /// Nodes that do not start at the ambient temperature: output, index among the outputs, first reading in K.
+    warm: Vec<(&'static str, usize, f64)>,
 }
 
 /// Rows on either side over which an input is smoothed.
@@ -245,7 +245,7 @@ impl Bench {
     /// readings. A sensor with an offset or a stem loss does not indicate its node's temperature, so each initial temperature is corrected
     /// iteratively by the deviation of its sensor. Returns the initial temperatures.
     fn start(&self, model: &mut dyn Model, drive: &Drive) -> Result<Vec<(Slot, f64)>, CalibrateError> {
-        let mut known: Vec<(Node, f64)> =
+        let mut known: Vec<(&str, f64)> =
             drive.warm.iter().map(|(node, _, reading)| (*node, *reading)).collect();
         let mut tries = 0;
         loop {
@@ -296,7 +296,7 @@ impl Drive {
         };
         let set = run.set.iter().filter(|(name, _)| !is_unknown(name));
         let set = set.filter_map(|(name, value)| Some((slot(name)?, *value))).collect();
-        let mut warm: Vec<(Node, usize, f64)> = Vec::new();
+        let mut warm: Vec<(&str, usize, f64)> = Vec::new();
         if run.start == Start::Measured {
             for (k, channel) in experiment.outputs.iter().enumerate() {
                 let first = run.table.columns[experiment.inputs.len() + k].iter().find(|v| v.is_finite());

@@ -200,6 +200,7 @@ mod tests {
     use super::super::testing::slope_is_derivative;
     use super::*;
     use crate::terms::{Factor, Law, Product, Table};
+    use declare::Group;
 
     fn carrying(port: Port, coefficient: f64, driver: Driver, reference: f64, exponent: f64) -> GenericTerms {
         let factor = Factor { driver, offset: 0.0, reference, exponent };

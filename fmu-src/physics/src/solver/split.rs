@@ -126,33 +126,9 @@ impl<const N: usize, const E: usize> State<N, E> {
         let fast = [self.x[0], self.x[1], self.angle];
         fast.into_iter().chain(self.temperature.iter().copied()).chain(self.energy)
     }
-
-    /// The state from these numbers, `None` if there are too few.
-    pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Self> {
-        let x = Fast::new(next()?, next()?);
-        let angle = next()?;
-        let mut temperature = SVector::<f64, N>::zeros();
-        for node in temperature.iter_mut() {
-            *node = next()?;
-        }
-        let mut energy = [0.0; E];
-        for joules in &mut energy {
-            *joules = next()?;
-        }
-        Some(State { x, angle, temperature, energy, integrals: StepIntegrals::default() })
-    }
 }
 
-impl<const N: usize, const E: usize> Saved for State<N, E> {
-    fn save(&self, out: &mut Vec<f64>) {
-        out.extend(self.to_numbers());
-    }
-
-    fn load(&mut self, next: &mut impl FnMut() -> Option<f64>) -> Option<()> {
-        *self = Self::from_numbers(next)?;
-        Some(())
-    }
-}
+crate::saved!(State<const N: usize, const E: usize> { x, angle, temperature, energy });
 
 /// Step failure.
 #[derive(Clone, Copy, Debug, PartialEq)]

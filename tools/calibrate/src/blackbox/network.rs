@@ -12,7 +12,6 @@ use super::{Candidate, Series};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role};
-use crate::initial::Node;
 use least_squares::{Options, Problem, minimise};
 use nalgebra::{DMatrix, DVector};
 use physics::declare::Unit;
@@ -89,6 +88,9 @@ enum Place {
     Between(usize),
 }
 
+/// Outputs of the two nodes.
+const WINDING: &str = "winding_temperature";
+const HOUSING: &str = "housing_temperature";
 /// Number of common parameters C_1, C_2, R, g_0, which precede a, b, c, d, g of each input.
 const COMMON: usize = 4;
 const OWN: usize = 5;
@@ -108,11 +110,11 @@ impl<'a> Fit<'a> {
             .collect();
         let mut weights = 0;
         let node = |k: &usize| experiment.outputs[*k].node();
-        let has_winding = outputs.iter().any(|k| node(k) == Some(Node::Winding));
-        let has_housing = outputs.iter().any(|k| node(k) == Some(Node::Housing));
+        let has_winding = outputs.iter().any(|k| node(k) == Some(WINDING));
+        let has_housing = outputs.iter().any(|k| node(k) == Some(HOUSING));
         let places = outputs.iter().map(|k| match node(k) {
-            Some(Node::Winding) => Place::First,
-            Some(Node::Housing) => Place::Second,
+            Some(WINDING) => Place::First,
+            Some(HOUSING) => Place::Second,
             _ if !has_winding && !has_housing && outputs.len() == 1 => Place::Second,
             _ => {
                 weights += 1;

@@ -4,9 +4,9 @@
 //! model is used. The order matters: `power_electrical` is the power at the terminals in one motor model and the copper loss
 //! alone in the other, so `supply_power` is listed first.
 
-use crate::initial::Node;
 use physics::declare::{Causality, Unit};
-use physics::model::Declaration;
+use physics::model::{Declaration, Entry};
+use physics::models::ALL;
 use physics::terms::Driver;
 use std::sync::{Mutex, PoisonError};
 
@@ -66,16 +66,13 @@ impl Channel {
         CHANNELS.iter().filter(|c| has(model, c.output, Causality::Output))
     }
 
-    /// The node whose temperature the channel measures.
-    pub fn node(&self) -> Option<Node> {
-        match self.output? {
-            "winding_temperature" => Some(Node::Winding),
-            "stator_temperature" => Some(Node::Stator),
-            "magnet_temperature" => Some(Node::Magnets),
-            "housing_temperature" => Some(Node::Housing),
-            "box_temperature" => Some(Node::Box),
-            _ => None,
-        }
+    /// The output that the channel measures, if it is the temperature of a node: a temperature with an initial value.
+    pub fn node(&self) -> Option<&'static str> {
+        let is_initial = |e: &Entry, output: &str| e.name.strip_prefix("initial.") == Some(output);
+        let is_node = |output: &&str| {
+            ALL.iter().any(|m| (m.declaration)().entries.iter().any(|e| is_initial(e, output)))
+        };
+        self.output.filter(|output| self.is_temperature() && is_node(output))
     }
 
     /// The channel that measures a driver of terms, if the bench has a sensor for it.

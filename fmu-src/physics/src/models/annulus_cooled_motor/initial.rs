@@ -8,20 +8,21 @@ variables! {
     /// Initial state.
     pub struct Initial {
         /// Initial temperature of the winding; 0 K = ambient temperature
-        winding_temperature: f64 = Variable::fixed(0, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        winding_temperature: f64 = Variable::initial_temperature(0, &["stator_temperature", "housing_temperature", "magnet_temperature"]),
         /// Initial temperature of the stator; 0 K = ambient temperature; without effect in cooling_mode conductance
         /// unless effect.stator_node is on
-        stator_temperature: f64 = Variable::fixed(1, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        stator_temperature: f64 = Variable::initial_temperature(1, &["housing_temperature", "winding_temperature", "magnet_temperature"]),
         /// Initial temperature of the rotor with its magnets; 0 K = ambient temperature; without effect in cooling_mode
         /// conductance, where it is the housing's
-        magnet_temperature: f64 = Variable::fixed(2, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        magnet_temperature: f64 = Variable::initial_temperature(2, &["housing_temperature", "stator_temperature", "winding_temperature"]),
         /// Initial temperature of the housing, of all its segments; 0 K = ambient temperature
-        housing_temperature: f64 = Variable::fixed(3, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        housing_temperature: f64 = Variable::initial_temperature(3, &["stator_temperature", "magnet_temperature", "winding_temperature"]),
+        // The tube is closer to ambient and air flow than to the motor, so it starts at the ambient temperature.
         /// Initial temperature of the tube (cooling_mode annulus_push and annulus_pull); 0 K = ambient temperature
-        tube_temperature: f64 = Variable::fixed(4, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        tube_temperature: f64 = Variable::initial_temperature(4, &[]),
         /// Initial temperature of a lagging housing sensor (effect.housing_sensor_lag); 0 K = initial temperature of the
         /// housing
-        sensor_temperature: f64 = Variable::fixed(5, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        sensor_temperature: f64 = Variable::initial_temperature(5, &[]),
         /// Initial current (drive_mode voltage and pwm)
         current: f64 = Variable::fixed(6, 0.0, Unit::Ampere, -1e4, 1e4).nominal(5.0),
         /// Initial speed of the shaft (mechanical_mode free_shaft)

@@ -20,12 +20,11 @@
 //! Over one step every input is linear in time. `solver/split.rs` solves the equations; the crate `reference` solves
 //! [`Step::rates`] as the reference.
 
-mod nodes;
 mod outputs;
 mod system;
 
+use super::nodes::{HOUSING, NODES, Network, PATHS, Temperatures, WINDING, account};
 use super::parameters::Parameters;
-use super::states::{HOUSING, NODES, Temperatures, WINDING};
 use super::variables::Inputs;
 use crate::components::chopper::{Bridge, Cycle};
 use crate::components::validity::Limits;
@@ -33,12 +32,14 @@ use crate::effects::{Number, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::line::Line;
 use crate::solver::split::{Fast, System};
-use nodes::{ACCOUNTS, PATHS};
+use nalgebra::SVector;
 
 /// Number of integrated energies: from the supply, to the load, to ambient, losses in the winding, friction losses.
 pub const ENERGIES: usize = 5;
 /// State of the integrator.
 pub type State = crate::solver::split::State<NODES, ENERGIES>;
+/// Stored energies, J: total, magnetic, kinetic.
+pub type Stored = SVector<f64, 3>;
 /// Number of states of [`Step::rates`]: current, speed, angle, temperatures, energies.
 pub const STATES: usize = 3 + NODES + ENERGIES;
 
@@ -63,15 +64,23 @@ impl Constants {
     /// The constants of a gearmotor.
     pub fn of(parameters: &Parameters) -> Constants {
         let motor = &parameters.motor;
-        let capacity = nodes::capacity(parameters);
+        let to_box = parameters.effects.ambient_conductance(0.0);
+        let capacity =
+            Network { thermal: &parameters.thermal, effects: &parameters.effects, to_box }.capacity();
         Constants {
             inverse_l: 1.0 / motor.L,
             inertia: motor.J * parameters.gear.ratio.powi(2),
             capacity,
             inverse_capacity: capacity.map(|c| 1.0 / c),
-            to_box: parameters.effects.ambient_conductance(0.0),
+            to_box,
             limits: parameters.limits(),
         }
+    }
+
+    /// The thermal network.
+    #[inline]
+    pub(super) fn nodes<'a>(&self, parameters: &'a Parameters) -> Network<'a> {
+        Network { thermal: &parameters.thermal, effects: &parameters.effects, to_box: self.to_box }
     }
 
     /// Limits of validity.
@@ -162,6 +171,12 @@ impl<'a> Step<'a> {
         if duty * slope < 0.0 { -duty / slope } else { f64::INFINITY }
     }
 
+    /// The thermal network.
+    #[inline]
+    fn nodes(&self) -> Network<'a> {
+        self.constants.nodes(self.model)
+    }
+
     #[inline]
     fn bridge(&self, t: f64) -> Bridge {
         Bridge::new(&self.model.drive, self.duty.at(t), self.direction, self.supply.at(t))
@@ -184,7 +199,7 @@ impl<'a> Step<'a> {
     #[inline]
     fn drag(&self, t: f64, w: f64, temperature: &Temperatures) -> f64 {
         let (gear, effects, load) = (&self.model.gear, &self.model.effects, self.load.at(t));
-        let own = gear.drag(w, self.gear_temperature(temperature)) + effects.drag_torque(w);
+        let own = gear.drag(w, self.nodes().gear_temperature(temperature)) + effects.drag_torque(w);
         own + (gear.load_drag(w, load) + effects.load_drag(w, load)) * load
     }
 
@@ -223,16 +238,16 @@ impl<'a> Step<'a> {
         let mut to_ambient = 0.0;
         let mut ledger = Ledger::default();
         ledger.transfer(Terminals, Ambient, loss_drive);
-        ledger.transfer(Terminals, Winding, powers[0]);
+        ledger.transfer(Terminals, Node(WINDING), powers[0]);
         ledger.transfer(Terminals, Magnetic, powers[1]);
         ledger.transfer(Terminals, AirGap, powers[2]);
-        for (account, heat) in ACCOUNTS.into_iter().zip(self.heats(0.0, drag * w).iter()) {
-            ledger.transfer(AirGap, account, *heat);
+        for (node, heat) in self.nodes().heats(0.0, drag * w).iter().enumerate() {
+            ledger.transfer(AirGap, Node(node), *heat);
         }
         ledger.transfer(AirGap, Shaft, self.load.at(t) * w);
         ledger.transfer(AirGap, Kinetic, self.constants.inertia * w * fast[1]);
-        for ((from, to), flow) in PATHS.into_iter().zip(self.flows(t, temperature)) {
-            ledger.transfer(ACCOUNTS[from], to.map_or(Ambient, |node| ACCOUNTS[node]), flow);
+        for ((from, to), flow) in PATHS.into_iter().zip(self.nodes().flows(self.ambient.at(t), temperature)) {
+            ledger.transfer(Node(from), account(to), flow);
             to_ambient += if to.is_none() { flow } else { 0.0 };
         }
 

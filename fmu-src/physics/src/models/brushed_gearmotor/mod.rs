@@ -5,16 +5,14 @@
 //! runtime. The default values are those of preset bdcm-37d.
 
 mod equations;
-mod initial_energy;
 mod motor;
+mod nodes;
 mod parameters;
 pub mod state_function;
-mod states;
 mod variables;
 
-pub use equations::{Constants, ENERGIES, Point, STATES, State, Step};
-pub use initial_energy::InitialEnergy;
+pub use equations::{Constants, ENERGIES, Point, STATES, State, Step, Stored};
 pub use motor::BrushedGearmotor;
+pub use nodes::{Initial, NODES, Temperatures};
 pub use parameters::Parameters;
-pub use states::{Initial, NODES, Temperatures};
 pub use variables::{Indicators, Inputs, Outputs};

@@ -1,9 +1,8 @@
 //! The gearmotor as [`Equations`] of the runtime: steps, states and events.
 
-use super::equations::{Constants, STATES, State, Step};
-use super::initial_energy::InitialEnergy;
+use super::equations::{Constants, STATES, State, Step, Stored};
+use super::nodes::{LIST, NODES, WINDING};
 use super::parameters::{Parameters, unserved};
-use super::states::{BOX, HOUSING, LIST, NODES, WINDING};
 use super::variables::{Indicators, Inputs, Outputs};
 use crate::components::validity::Extremes;
 use crate::effects::IMMINENT;
@@ -24,9 +23,8 @@ const FIRST_ENERGY: usize = FIRST_NODE + NODES;
 const CURRENT_ROW: usize = 1;
 const ANGLE_ROW: usize = 2;
 const SPEED_ROW: usize = 3;
-const WINDING_ROW: usize = 5;
-const HOUSING_ROW: usize = 6;
-const BOX_ROW: usize = 7;
+const FIRST_NODE_ROW: usize = 5;
+const LAST_NODE_ROW: usize = FIRST_NODE_ROW + NODES - 1;
 
 /// The gearmotor.
 pub type BrushedGearmotor = Runtime<Gearmotor, STATES>;
@@ -38,11 +36,11 @@ pub struct Gearmotor {
     state: State,
     /// Initial ambient temperature, K; reference of the stored heat.
     t_start: f64,
-    initial_energy: InitialEnergy,
+    stored_at_start: Stored,
     split: Split<NODES>,
 }
 
-saved!(Gearmotor { t_start, initial_energy, state, split });
+saved!(Gearmotor { t_start, stored_at_start, state, split });
 
 /// Discrete states in Model Exchange.
 #[derive(Clone, Copy, Debug, Default)]
@@ -80,8 +78,8 @@ impl BrushedGearmotor {
     }
 
     /// Present stored energies, as a reference of the energy balance.
-    fn initial_energy(&self) -> InitialEnergy {
-        self.step_equations().initial_energy(&self.own.state, self.own.t_start)
+    fn stored(&self) -> Stored {
+        self.step_equations().stored_energies(&self.own.state, self.own.t_start)
     }
 
     /// Temperatures with limits of validity.
@@ -119,7 +117,7 @@ impl Equations<STATES> for Gearmotor {
             constants: Constants::of(parameters),
             state: State::default(),
             t_start: 0.0,
-            initial_energy: InitialEnergy::default(),
+            stored_at_start: Stored::zeros(),
             split: Split::default(),
         }
     }
@@ -133,7 +131,7 @@ impl Equations<STATES> for Gearmotor {
         let t_start = run.inputs.ambient_temperature + drift;
         let state = parameters.initial.state(t_start);
         run.own = Gearmotor { state, t_start, ..Gearmotor::new(parameters) };
-        run.own.initial_energy = run.initial_energy();
+        run.own.stored_at_start = run.stored();
         Ok(())
     }
 
@@ -162,7 +160,7 @@ impl Equations<STATES> for Gearmotor {
 
     fn outputs(run: &BrushedGearmotor, (): &()) -> Outputs {
         let own = &run.own;
-        let mut outputs = run.step_equations().outputs(&own.state, own.t_start, &own.initial_energy);
+        let mut outputs = run.step_equations().outputs(&own.state, own.t_start, &own.stored_at_start);
         if let Some(pre) = &run.pre {
             outputs.over_temperature = pre.discrete.over_temperature;
         }
@@ -171,15 +169,15 @@ impl Equations<STATES> for Gearmotor {
 
     #[inline]
     fn output(run: &BrushedGearmotor, row: usize) -> Option<f64> {
-        let (state, effects) = (&run.own.state, &run.parameters.effects);
-        let temperature = &state.temperature;
+        let state = &run.own.state;
         match row {
             CURRENT_ROW => Some(state.x[0]),
             ANGLE_ROW => Some(state.angle),
             SPEED_ROW => Some(state.x[1]),
-            WINDING_ROW => Some(effects.winding_sensor(temperature[WINDING], temperature[BOX])),
-            HOUSING_ROW => Some(effects.housing_sensor(temperature[HOUSING], temperature[BOX])),
-            BOX_ROW => Some(temperature[BOX]),
+            FIRST_NODE_ROW..=LAST_NODE_ROW => {
+                let nodes = run.own.constants.nodes(&run.parameters);
+                Some(nodes.indicated(row - FIRST_NODE_ROW, &state.temperature))
+            }
             _ => None,
         }
     }
@@ -198,10 +196,10 @@ impl Equations<STATES> for Gearmotor {
 
     /// The energy balance excludes the change of stored energy by a tunable parameter.
     fn set_parameter(run: &mut BrushedGearmotor, set: impl FnOnce(&mut Parameters) -> bool) -> bool {
-        let before = run.initial_energy();
+        let before = run.stored();
         let taken = set(&mut run.parameters);
         run.own.constants = Constants::of(&run.parameters);
-        run.own.initial_energy = run.own.initial_energy + run.initial_energy() - before;
+        run.own.stored_at_start = run.own.stored_at_start + run.stored() - before;
         taken
     }
 

@@ -1,6 +1,6 @@
 //! Parameters of the gearmotor and its modes of use.
 
-use super::states::Initial;
+use super::nodes::Initial;
 use crate::components::armature::Armature;
 use crate::components::chopper::Drive;
 use crate::components::enclosure::Enclosure;

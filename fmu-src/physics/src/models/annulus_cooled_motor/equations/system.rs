@@ -135,19 +135,11 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
         let (t, h) = (segment.t, segment.h);
         let [x0, xm, x1] = segment.x;
         let at = [t, t + 0.5 * h, t + h];
-        let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
-        // Integral of a linear function times the solution: start value by the integral, derivative by the moment.
-        let line = |l: &Line, k: usize| l.at(t) * segment.integral[k] + l.slope * segment.moment[k];
+        let simpson = |f0: f64, fm: f64, f1: f64| segment.simpson([f0, fm, f1]);
+        let line = |l: &Line, k: usize| segment.against_line(l, k);
+        let against = |f: [f64; 3], k: usize| segment.against(f, k);
         let k_t = |n: usize| instants[n].k;
 
-        // Integral of f times current or speed: the end value of f times the exact integral, plus Simpson's rule for the
-        // deviation of f from its end value. Second result: the error that the trapezoidal rule would have.
-        let against = |f: [f64; 3], k: usize| {
-            let beyond = |n: usize| (f[n] - f[2]) * segment.x[n][k];
-            let start = beyond(0);
-            let extra = simpson(start, beyond(1), 0.0);
-            (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * start).abs())
-        };
         let (friction, mut quadrature_error) = against(instants.map(|instant| instant.drag), 1);
         let mut in_core = friction;
         if self.constants.has_network {

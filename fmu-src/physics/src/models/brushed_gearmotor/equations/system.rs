@@ -1,9 +1,8 @@
 //! The equations in the form of the integrator.
 
 use super::Step;
-use super::nodes::PATHS;
 use crate::components::chopper::Cycle;
-use crate::models::brushed_gearmotor::states::{NODES, Temperatures, WINDING};
+use crate::models::brushed_gearmotor::nodes::{NODES, PATHS, Temperatures, WINDING};
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 use num_dual::Dual64;
@@ -53,7 +52,7 @@ impl System<NODES> for Step<'_> {
         let r = self.model.motor.resistance(temperature[WINDING]);
         let load = self.load.at(t);
         let at = Dual64::from(w).derivative();
-        let drag = gear.drag(at, self.gear_temperature(temperature)).eps
+        let drag = gear.drag(at, self.nodes().gear_temperature(temperature)).eps
             + effects.drag_torque_slope(w)
             + (gear.load_drag(at, load).eps + effects.load_drag_slope(w, load)) * load;
         let (l, j) = (self.constants.inverse_l, 1.0 / self.constants.inertia);
@@ -64,7 +63,7 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn network(&self, t: f64, temperature: &Temperatures) -> (Temperatures, f64) {
         let (mut gain, mut to_ambient) = (Temperatures::zeros(), 0.0);
-        for ((from, to), flow) in PATHS.into_iter().zip(self.flows(t, temperature)) {
+        for ((from, to), flow) in PATHS.into_iter().zip(self.nodes().flows(self.ambient.at(t), temperature)) {
             gain[from] -= flow;
             match to {
                 Some(node) => gain[node] += flow,
@@ -77,7 +76,7 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn network_matrix(&self, _t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
         let mut gain = SMatrix::<f64, NODES, NODES>::zeros();
-        for ((from, to), [grows, falls]) in PATHS.into_iter().zip(self.flow_slopes(temperature)) {
+        for ((from, to), [grows, falls]) in PATHS.into_iter().zip(self.nodes().flow_slopes(temperature)) {
             gain[(from, from)] -= grows;
             if let Some(node) = to {
                 gain[(node, from)] += grows;
@@ -111,7 +110,7 @@ impl System<NODES> for Step<'_> {
     ) -> Temperatures {
         let (i, w) = (x[0], x[1]);
         let r = self.model.motor.resistance(temperature[WINDING]);
-        self.heats(r * (i * i + instant.cycle.ripple) + instant.lost * i, instant.drag * w)
+        self.nodes().heats(r * (i * i + instant.cycle.ripple) + instant.lost * i, instant.drag * w)
     }
 
     /// Energies of one step, each from its own equation and the integrals of the fast solution, so that the balance residual
@@ -120,14 +119,8 @@ impl System<NODES> for Step<'_> {
     fn work(&self, segment: &Segment<NODES>, instants: &[Instant; 3]) -> Work<NODES> {
         let (t, h) = (segment.t, segment.h);
         let at = [t, t + 0.5 * h, t + h];
-        let simpson = |f: [f64; 3]| h / 6.0 * (f[0] + 4.0 * f[1] + f[2]);
-        // Integral of f times current or speed: the end value of f times the exact integral, plus Simpson's rule for the
-        // deviation of f from its end value. Second result: the error that the trapezoidal rule would have.
-        let against = |f: [f64; 3], k: usize| {
-            let beyond = INSTANTS.map(|n| (f[n] - f[2]) * segment.x[n][k]);
-            let extra = simpson(beyond);
-            (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * beyond[0]).abs())
-        };
+        let simpson = |f| segment.simpson(f);
+        let against = |f, k| segment.against(f, k);
         let volts = instants.map(|instant| instant.e + instant.cycle.drive);
         let r = INSTANTS.map(|n| self.model.motor.resistance(segment.temperature[n][WINDING]));
         let ripples = INSTANTS.map(|n| r[n] * instants[n].cycle.ripple);
@@ -135,7 +128,7 @@ impl System<NODES> for Step<'_> {
         let supply = INSTANTS.map(|n| self.bridge(at[n]).supply_power(&instants[n].cycle));
 
         let (friction, error_of_friction) = against(instants.map(|instant| instant.drag), 1);
-        let load = self.load.at(t) * segment.integral[1] + self.load.slope * segment.moment[1];
+        let load = segment.against_line(&self.load, 1);
         let (terminals, error_of_terminals) = against(volts, 0);
         // R i^2: the end value of R times the integral of i^2, plus Simpson's rule for the deviation of R from its end value.
         let (drop, error_of_drop) = against(instants.map(|instant| instant.lost), 0);
@@ -152,7 +145,7 @@ impl System<NODES> for Step<'_> {
         let [before, after] = [segment.x[0], segment.x[2]].map(|x| self.kinetic(x[1]) + self.magnetic(x[0]));
         let missing = terminals - copper - friction - load - (after - before);
         Work {
-            heat: self.heats(copper + ripple, friction),
+            heat: self.nodes().heats(copper + ripple, friction),
             losses: [copper + ripple, friction],
             electrical,
             mechanical: load,

@@ -1,0 +1,238 @@
+//! Thermal nodes of the gearmotor: list of the nodes, heat capacities, heat paths and heat sources.
+//!
+//! A further node is a line of the list ([`nodes!`]), its heat capacity (`capacity`), its heat paths ([`PATHS`], `flows`, `flow_slopes`)
+//! and its heat source (`heats`). States, initial values, outputs, integrator, energy balance, saved states and Model Exchange follow.
+
+use crate::components::enclosure::Enclosure;
+use crate::components::initial::{first_outside, temperature};
+use crate::components::validity::Limits;
+use crate::effects::{Effects, PerNode};
+use crate::ledger::{Account, MOST_NODES};
+use crate::solver::split::{self, Fast};
+use declare::{Unit, Variable, states, variables};
+use nalgebra::SVector;
+
+/// Passes the list of the nodes to a macro: what each node is, its index, and the name of its temperature; value reference of the output;
+/// name and value reference of the state (that of the derivative is 100 higher), with the nominal value of the derivative; value reference
+/// of the initial value. `near` are measured temperatures that a run can start at, the nearest first, if that of the node is not measured.
+/// A text behind a value reference is added to the description.
+macro_rules! nodes {
+    ($then:ident) => {
+        $then! {
+            /// the winding
+            WINDING winding_temperature {
+                output 25, state "state.winding_temperature" 704, rate 1.0, initial 0,
+                near "housing_temperature" "box_temperature"
+            }
+            /// the housing, with magnets, and with the gear without thermal.C_g
+            HOUSING housing_temperature {
+                output 26, state "state.housing_temperature" 705, rate 0.1, initial 1,
+                near "winding_temperature" "box_temperature"
+            }
+            /// the box, air and walls
+            BOX box_temperature {
+                output 27, state "state.box_temperature" 706, rate 0.1, initial 2,
+                near "housing_temperature" "winding_temperature"
+            }
+            /// the gear
+            GEAR gear_temperature {
+                output 59 "; that of the housing without thermal.C_g",
+                state "state.gear_temperature" 712 "; constant without thermal.C_g", rate 0.1,
+                initial 6 " (not without thermal.C_g)",
+                near "housing_temperature" "winding_temperature" "box_temperature"
+            }
+        }
+    };
+}
+pub(super) use nodes;
+
+macro_rules! declare_nodes {
+    ($(#[doc = $of:literal] $node:ident $name:ident {
+        output $output:literal $($of_output:literal)?,
+        state $state:literal $reference:literal $($of_state:literal)?, rate $rate:literal,
+        initial $initial:literal $($of_initial:literal)?,
+        near $($near:literal)*
+    })*) => {
+        #[allow(clippy::upper_case_acronyms)]
+        enum Index { $($node),* }
+        $(pub(super) const $node: usize = Index::$node as usize;)*
+
+        // Nominal derivatives, with the default motor at 12 V and 1 A: 12 V / L for the current, torque of 1 A over the rotor inertia at
+        // the output shaft for its speed, R (1 A)^2 over the heat capacity for temperatures, and powers for the energies.
+        states! {
+            /// The states of the gearmotor, in the order of `Step::rates`.
+            pub const LIST = {
+                /// Mean current in the winding
+                "state.current" = declare::State::new(701, 801, Unit::Ampere).nominal(1.0, 7e3),
+                /// Speed of the output shaft
+                "state.shaft_speed" = declare::State::new(702, 802, Unit::RadianPerSecond).nominal(10.0, 10.0),
+                /// Angle of the output shaft, initial.shaft_angle at the start
+                "state.shaft_angle" = declare::State::new(703, 803, Unit::Radian).unbounded().nominal(100.0, 10.0),
+                $(#[doc = concat!(" Temperature of", $of $(, $of_state)?)]
+                $state = declare::State::new($reference, $reference + 100, Unit::Kelvin).nominal(300.0, $rate),)*
+                /// Energy from the supply since the start
+                "state.energy_supply" = declare::State::new(707, 807, Unit::Joule).unbounded().nominal(1000.0, 10.0),
+                /// Mechanical energy to the load since the start
+                "state.energy_shaft" = declare::State::new(708, 808, Unit::Joule).unbounded().nominal(1000.0, 10.0),
+                /// Heat to ambient since the start
+                "state.energy_heat_to_ambient" = declare::State::new(709, 809, Unit::Joule).unbounded().nominal(1000.0, 10.0),
+                /// Electrical losses in the winding since the start
+                "state.work_electrical" = declare::State::new(710, 810, Unit::Joule).unbounded().nominal(100.0, 10.0),
+                /// Friction losses since the start
+                "state.work_friction" = declare::State::new(711, 811, Unit::Joule).unbounded().nominal(100.0, 1.0),
+            }
+        }
+
+        variables! {
+            /// Initial state.
+            pub struct Initial {
+                $(#[doc = concat!(" Initial temperature of", $of, $($of_initial,)? "; 0 K = ambient temperature")]
+                $name: f64 = Variable::initial_temperature($initial, &[$($near),*]),)*
+                /// Initial mean current in the winding
+                current: f64 = Variable::fixed(3, 0.0, Unit::Ampere, -1e4, 1e4),
+                /// Initial speed of the output shaft
+                shaft_speed: f64 = Variable::fixed(4, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(10.0),
+                /// Initial angle of the output shaft
+                shaft_angle: f64 = Variable::fixed(5, 0.0, Unit::Radian, -1e9, 1e9).nominal(100.0),
+            }
+        }
+
+        /// Names of the initial temperatures.
+        const INITIAL: &[&str] = &[$(concat!("initial.", stringify!($name))),*];
+
+        impl Initial {
+            /// Temperatures of the nodes, K.
+            fn nodes(&self) -> [f64; NODES] {
+                [$(self.$name),*]
+            }
+        }
+    };
+}
+nodes!(declare_nodes);
+
+/// Number of thermal nodes.
+pub const NODES: usize = INITIAL.len();
+const _: () = assert!(NODES <= MOST_NODES);
+/// Temperatures of the nodes, K.
+pub type Temperatures = SVector<f64, NODES>;
+
+impl Initial {
+    /// Initial values outside the limits of validity, in one sentence.
+    pub(super) fn fault(&self, limits: &Limits) -> Option<String> {
+        let nodes: [_; NODES] = std::array::from_fn(|k| (INITIAL[k], self.nodes()[k]));
+        let [winding, others @ ..] = nodes;
+        first_outside(limits, winding, &others)
+    }
+
+    /// The initial state; nodes without an initial value start at `ambient`, K.
+    pub(super) fn state<const E: usize>(&self, ambient: f64) -> split::State<NODES, E> {
+        split::State {
+            x: Fast::new(self.current, self.shaft_speed),
+            angle: self.shaft_angle,
+            temperature: self.nodes().map(|node| temperature(node, ambient)).into(),
+            ..split::State::default()
+        }
+    }
+}
+
+/// Heat paths, each from one node to another or to ambient.
+pub(super) const PATHS: [(usize, Option<usize>); 5] = [
+    (WINDING, Some(HOUSING)),
+    (WINDING, Some(BOX)),
+    (HOUSING, Some(BOX)),
+    (BOX, None),
+    (GEAR, Some(HOUSING)),
+];
+
+/// The account in the energy balance of a node, or of ambient.
+pub(super) fn account(node: Option<usize>) -> Account {
+    node.map_or(Account::Ambient, Account::Node)
+}
+
+/// Data of the thermal network.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Network<'a> {
+    /// Heat capacities and conductances.
+    pub thermal: &'a Enclosure,
+    /// The effects.
+    pub effects: &'a Effects,
+    /// Conductances of the effects from winding and housing to the box, W/K.
+    pub to_box: PerNode,
+}
+
+impl Network<'_> {
+    /// Heat capacities of the nodes, J/K; that of an unused gear node is arbitrary, since it receives no heat.
+    pub fn capacity(&self) -> Temperatures {
+        let thermal = self.thermal;
+        let gear = if thermal.has_gear() { thermal.C_g } else { thermal.C_h };
+        Temperatures::new(thermal.C_w, thermal.C_h, thermal.C_b, gear)
+    }
+
+    /// Temperature of the gear, K.
+    #[inline]
+    pub fn gear_temperature(&self, temperature: &Temperatures) -> f64 {
+        temperature[if self.thermal.has_gear() { GEAR } else { HOUSING }]
+    }
+
+    /// Temperature of a node as an output, K: that of winding and housing is indicated by a sensor.
+    #[inline]
+    pub fn indicated(&self, node: usize, temperature: &Temperatures) -> f64 {
+        let effects = self.effects;
+        match node {
+            WINDING => effects.winding_sensor(temperature[WINDING], temperature[BOX]),
+            HOUSING => effects.housing_sensor(temperature[HOUSING], temperature[BOX]),
+            GEAR => self.gear_temperature(temperature),
+            _ => temperature[node],
+        }
+    }
+
+    /// Conductance from gear to housing, W/K.
+    #[inline]
+    fn gear_conductance(&self) -> f64 {
+        if self.thermal.has_gear() { 1.0 / self.thermal.R_gh } else { 0.0 }
+    }
+
+    /// Heat from losses in the winding and from friction, by node, W or J.
+    #[inline]
+    pub fn heats(&self, winding: f64, friction: f64) -> Temperatures {
+        let thermal = self.thermal;
+        let in_gear = if thermal.has_gear() { thermal.friction_to_gear * friction } else { 0.0 };
+        Temperatures::new(winding, friction - in_gear, 0.0, in_gear)
+    }
+
+    /// Heat flows along the paths with ambient at `ambient`, K, in W.
+    #[inline]
+    pub fn flows(&self, ambient: f64, temperature: &Temperatures) -> [f64; PATHS.len()] {
+        let Network { thermal, effects, to_box } = *self;
+        let (t_w, t_h, t_b) = (temperature[WINDING], temperature[HOUSING], temperature[BOX]);
+        [
+            (t_w - t_h) / (thermal.R_wh * effects.winding_housing_resistance(t_w)),
+            to_box.winding * (t_w - t_b),
+            (thermal.G_hb + to_box.housing) * (t_h - t_b) + effects.housing_to_ambient(t_h, t_b),
+            thermal.G_ba * (t_b - ambient),
+            self.gear_conductance() * (temperature[GEAR] - t_h),
+        ]
+    }
+
+    /// Derivatives of the flows, W/K: with respect to the temperature at the start of a path, and minus that at its end.
+    #[inline]
+    pub fn flow_slopes(&self, temperature: &Temperatures) -> [[f64; 2]; PATHS.len()] {
+        let Network { thermal, effects, to_box } = *self;
+        let (t_w, t_h, t_b) = (temperature[WINDING], temperature[HOUSING], temperature[BOX]);
+        let share = 1.0 / effects.winding_housing_resistance(t_w);
+        let cold = share / thermal.R_wh;
+        let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
+        let through = thermal.G_hb + to_box.housing;
+        [
+            [hot, cold],
+            [to_box.winding; 2],
+            // Net radiation is antisymmetric in the two temperatures, so the second derivative follows by exchanging them.
+            [
+                through + effects.housing_to_ambient_slope(t_h, t_b),
+                through + effects.housing_to_ambient_slope(t_b, t_h),
+            ],
+            [thermal.G_ba; 2],
+            [self.gear_conductance(); 2],
+        ]
+    }
+}
