@@ -12,22 +12,8 @@ use reference::{Tolerance, integrate};
 
 /// The reference's tolerances.
 const TIGHT: Tolerance = Tolerance { relative: 1e-10, absolute: 1e-12 };
-const NAMES: [&str; STATES] = [
-    "current",
-    "speed",
-    "angle",
-    "T_w",
-    "T_h",
-    "T_b",
-    "T_g",
-    "E_supply",
-    "E_shaft",
-    "E_ambient",
-    "Q_winding",
-    "Q_friction",
-];
 /// Which states are temperatures, whose size is their rise.
-const TEMPERATURES: std::ops::Range<usize> = 3..7;
+const TEMPERATURES: std::ops::Range<usize> = 3..3 + NODES;
 
 fn slot(m: &BrushedGearmotor, name: &str) -> Slot {
     m.declaration().by_name(name).unwrap_or_else(|| panic!("no variable {name}")).slot
@@ -153,7 +139,9 @@ fn compare(mut m: BrushedGearmotor, run: &Run) -> Vec<(&'static str, f64)> {
             }
         }
     }
-    (0..STATES).map(|s| (NAMES[s], error[s] / if size[s] > 1e-12 { size[s] } else { 1.0 })).collect()
+    let declared = m.declaration();
+    let name = |s: usize| declared.entries[declared.states[s][0]].name.as_str();
+    (0..STATES).map(|s| (name(s), error[s] / if size[s] > 1e-12 { size[s] } else { 1.0 })).collect()
 }
 
 fn agrees(m: BrushedGearmotor, run: &Run, limit: f64, what: &str) {
@@ -451,7 +439,8 @@ fn the_matrices_are_the_derivatives() {
         (m.inputs.duty, m.inputs.load_torque) = (duty, 0.05);
         m.start(0.0).unwrap();
         let step = m.step_equations();
-        let (x, temperature) = (Fast::new(0.03, 0.6), Temperatures::new(390.0, 340.0, 300.0, 360.0));
+        let temperature = Temperatures::from_fn(|k, _| [390.0, 340.0, 300.0, 360.0][k % 4]);
+        let x = Fast::new(0.03, 0.6);
         for k in 0..2 {
             let mut by = Fast::zeros();
             by[k] = 1e-5;
