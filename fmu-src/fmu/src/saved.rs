@@ -6,7 +6,7 @@ use physics::declare::Causality;
 use physics::model::Model;
 
 /// First bytes of every serialized state; the digit is the version of the format.
-const MAGIC: &[u8; 8] = b"motorfm5";
+const MAGIC: &[u8; 8] = b"motorfm6";
 
 /// Number of bytes of the checksum after it.
 const CHECKSUM: usize = size_of::<u32>();
