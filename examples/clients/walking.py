@@ -104,7 +104,7 @@ def results(run: Walk) -> dict:
         "energy_shaft_J": shaft,
         "energy_joint_J": joint,
         "energy_transmission_loss_J": loss,
-        "energy_account_error_percent": 100.0 * (shaft - joint - loss - stored) / _throughput(run),
+        "energy_balance_error_percent": 100.0 * (shaft - joint - loss - stored) / _throughput(run),
         "battery_Wh_per_hour": electrical / 3600.0 / hours,
     }
 

@@ -32,7 +32,7 @@ def walking(found):
         if case["winding_limit_reached"]:
             assert case["winding_temperature_end_degC"] == pytest.approx(155.0, abs=0.1)
         assert case["energy_electrical_drawn_J"] > case["energy_shaft_J"] > case["energy_joint_J"] > 0
-        assert abs(case["energy_account_error_percent"]) < 0.01
+        assert abs(case["energy_balance_error_percent"]) < 0.01
     assert found["still air"]["minutes_walked"] < found["fan at full speed"]["minutes_walked"]
 
 

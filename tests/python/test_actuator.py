@@ -74,10 +74,10 @@ def test_supply_is_enough(run):
     assert found["current_peak_A"] < run.actuator.design.current_max
 
 
-def test_energy_account_of_the_actuator(run):
+def test_energy_balance_of_the_actuator(run):
     """Shaft work of the FMU = joint work + transmission loss + spring energy."""
     found = results(run)
-    assert abs(found["energy_account_error_percent"]) < 0.2
+    assert abs(found["energy_balance_error_percent"]) < 0.2
     assert transmission_loss(run) > 0.05 * abs(found["energy_joint_J"])
     peak = np.abs(run.joint_torque).max() ** 2 / (2.0 * run.actuator.design.stiffness)
     assert abs(spring_energy(run)) < peak

@@ -33,14 +33,18 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
     let of_role = || experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role);
     let mut replayed: Vec<String> = of_role().map(|(r, _)| r.file.clone()).collect();
     replayed.dedup();
-    let operating = operating_point(experiment, exported)?;
+    let (_, first) = exported.archives.first().ok_or_else(|| Failure::new("no archive was exported"))?;
+    let first = Archive::open(first)?;
+    let starts = |setting: &Setting| {
+        differences(experiment, setting, outcome, exported, first.description())
+    };
     let replay_one = |(standard, path): &(Standard, PathBuf)| -> Result<Vec<ReplayedChannel>, Failure> {
         let archive = Archive::open(path)?;
         let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
         for (run, setting) in of_role() {
             let drive = Drive::new(experiment, run)?;
             let shown = if carries(setting, outcome) {
-                shown(&archive, &differences(setting, outcome, exported, &operating), experiment, &drive)?
+                shown(&archive, &starts(setting), experiment, &drive)?
             } else {
                 // A run with its own terms needs a separate archive.
                 let folder =
@@ -52,12 +56,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
                     ..Contents::default()
                 };
                 let path = build(exported.kind, *standard, contents, &exported.library, folder.path())?;
-                shown(
-                    &Archive::open(&path)?,
-                    &differences(setting, outcome, exported, &operating),
-                    experiment,
-                    &drive,
-                )?
+                shown(&Archive::open(&path)?, &starts(setting), experiment, &drive)?
             };
             compare(experiment, outcome, run, &shown, &mut sums);
         }
@@ -100,7 +99,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         role: role_name(role),
         start_values: of_role()
             .map(|(run, setting)| {
-                (run.file.clone(), differences(setting, outcome, exported, &operating).into_iter().collect())
+                (run.file.clone(), starts(setting).into_iter().collect())
             })
             .collect(),
         channels,
@@ -123,52 +122,33 @@ fn carries(setting: &Setting, outcome: &Outcome) -> bool {
     setting.terms == outcome.export.terms || setting.terms.is_empty()
 }
 
-/// Values of the inputs that no column of the bench data gives, where the default experiment of the archives has others.
-fn operating_point(experiment: &Experiment, exported: &Exported) -> Result<Vec<(String, f64)>, Failure> {
-    let Some((_, path)) = exported.archives.first() else { return Ok(Vec::new()) };
-    let archive = Archive::open(path)?;
-    let entries = (exported.kind.declaration)().entries.iter();
-    let open = entries.filter(|entry| {
-        let is_column = experiment.inputs.iter().any(|channel| channel.input == Some(entry.name.as_str()));
-        entry.row.causality == describe::Causality::Input && !is_column
-    });
-    let differs = |entry: &describe::Entry| {
-        let start = archive.description().variable(&entry.name)?.start.as_ref()?.parse::<f64>().ok()?;
-        let value = exported.preset.starts.of(entry);
-        (start != value).then(|| (entry.name.clone(), value))
-    };
-    Ok(open.filter_map(differs).collect())
-}
-
-/// Start values that differ from those of the archives.
+/// Start values of a run that differ from those of the archives: its parameters, those that only the exported setting has, and the inputs
+/// without a column, which the default experiment of the archives may have set.
 fn differences(
+    experiment: &Experiment,
     setting: &Setting,
     outcome: &Outcome,
     exported: &Exported,
-    operating: &[(String, f64)],
+    description: &ModelDescription,
 ) -> Vec<(String, f64)> {
-    let declaration = (exported.kind.declaration)();
-    let export = &outcome.export.values;
-    let of = |values: &[(String, f64)], name: &str| {
-        let found = values.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
-        found.or_else(|| declaration.by_name(name).map(|e| e.row.start))
+    let of_run = |name: &str| setting.values.iter().find(|(n, _)| n == name).map(|(_, value)| *value);
+    let is_exported = |name: &str| outcome.export.values.iter().any(|(n, _)| n == name);
+    let is_column = |name: &str| experiment.inputs.iter().any(|channel| channel.input == Some(name));
+    let value = |entry: &describe::Entry| {
+        let name = entry.name.as_str();
+        let is_open = entry.row.causality == describe::Causality::Input && !is_column(name);
+        of_run(name)
+            .or_else(|| is_exported(name).then_some(entry.row.start))
+            .or_else(|| is_open.then(|| exported.preset.starts.of(entry)))
     };
-    let names = setting
-        .values
-        .iter()
-        .chain(export.iter().filter(|(n, _)| !setting.values.iter().any(|(s, _)| s == n)));
-    let mut all: Vec<(String, f64)> = names
-        .filter_map(|(name, _)| Some((name, of(&setting.values, name)?, of(export, name)?)))
-        .filter(|(_, here, there)| here != there)
-        .map(|(name, here, _)| (name.clone(), here))
-        .collect();
-    let others = operating.iter().filter(|(name, _)| !all.iter().any(|(known, _)| known == name));
-    let others: Vec<(String, f64)> = others
-        .map(|(name, value)| {
-            (name.clone(), setting.values.iter().find(|(n, _)| n == name).map_or(*value, |(_, v)| *v))
-        })
-        .collect();
-    all.extend(others);
+    let differs = |entry: &describe::Entry| {
+        let value = value(entry)?;
+        let start = description.variable(&entry.name)?.start.as_deref()?;
+        let start = start.parse().unwrap_or(f64::from(start == "true"));
+        (value != start).then(|| (entry.name.clone(), value))
+    };
+    let mut all: Vec<(String, f64)> =
+        (exported.kind.declaration)().entries.iter().filter_map(differs).collect();
     if setting.terms.is_empty() && !outcome.export.terms.is_empty() {
         all.retain(|(name, _)| name != GAIN);
         all.push((GAIN.to_owned(), 0.0));

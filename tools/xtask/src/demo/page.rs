@@ -200,7 +200,7 @@ mod tests {
     fn keys_become_labels_with_units() {
         for (key, words) in [
             ("motor_speed_peak_rad_per_s", "motor speed peak in rad/s"),
-            ("energy_account_error_percent", "energy account error in %"),
+            ("energy_balance_error_percent", "energy balance error in %"),
             ("strides", "strides"),
             ("iron_loss", "iron loss"),
         ] {
