@@ -35,9 +35,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
     replayed.dedup();
     let (_, first) = exported.archives.first().ok_or_else(|| Failure::new("no archive was exported"))?;
     let first = Archive::open(first)?;
-    let starts = |setting: &Setting| {
-        differences(experiment, setting, outcome, exported, first.description())
-    };
+    let starts = |setting: &Setting| differences(experiment, setting, outcome, exported, first.description());
     let replay_one = |(standard, path): &(Standard, PathBuf)| -> Result<Vec<ReplayedChannel>, Failure> {
         let archive = Archive::open(path)?;
         let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
@@ -98,9 +96,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         replayed,
         role: role_name(role),
         start_values: of_role()
-            .map(|(run, setting)| {
-                (run.file.clone(), starts(setting).into_iter().collect())
-            })
+            .map(|(run, setting)| (run.file.clone(), starts(setting).into_iter().collect()))
             .collect(),
         channels,
     })
