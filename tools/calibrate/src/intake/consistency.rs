@@ -217,7 +217,7 @@ pub fn contradiction(
     let mut as_is = fitted(&whole, &thin, AS_IS)?;
     while !as_is.is_cut
         && !as_is.bad_runs().is_empty()
-        && let Some((other, better)) = cost::released(&whole, &thin, AS_IS)?
+        && let Some((other, better)) = cost::released(&whole, &thin, &as_is, AS_IS)?
         && as_is.evidence(&better) > LEAST
     {
         (as_is, thin) = (better, other);
@@ -229,8 +229,8 @@ pub fn contradiction(
     experiment.priors = thin.priors;
     experiment.released = thin.released;
     // Strained parameters may compensate for a failed sensor.
-    let hypothesis = as_is.hypothesis.filter(|_| as_is.prior <= STRAINED);
-    Ok(unusable.map_or(Ok(hypothesis), Err))
+    let best = as_is.best.filter(|_| as_is.prior <= STRAINED);
+    Ok(unusable.map_or(Ok(best.map(|best| best.hypothesis)), Err))
 }
 
 /// The mistake in the columns of all runs, or in those of one file.

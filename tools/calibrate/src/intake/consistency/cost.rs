@@ -6,7 +6,6 @@ use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Deviation, Experiment, Prior, Role};
 use crate::fit::Fitted;
-use crate::hypothesis::Hypothesis;
 use crate::linearization::Linearization;
 use crate::selection::LEAST;
 use crate::setup::Setup;
@@ -23,8 +22,8 @@ pub(super) struct Cost {
     runs: Vec<f64>,
     /// Whether the time limit ended the fit before convergence.
     pub(super) is_cut: bool,
-    /// Parameters at the minimum; `None` if the model cannot be run.
-    pub(super) hypothesis: Option<Hypothesis>,
+    /// The minimum; `None` if the model cannot be run.
+    pub(super) best: Option<Fitted>,
 }
 
 impl Cost {
@@ -37,7 +36,7 @@ impl Cost {
             prior: fitted.cost - fitted.chi_square,
             runs: all.iter().map(|r| setup.chi_square(&[*r], &shown[*r..=*r]).0).collect(),
             is_cut: setup.deadline().is_near(),
-            hypothesis: Some(fitted.hypothesis),
+            best: Some(fitted),
         })
     }
 
@@ -92,21 +91,23 @@ pub(super) fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> 
         prior: 0.0,
         runs: vec![f64::INFINITY; experiment.runs.len()],
         is_cut: setup.deadline().is_near(),
-        hypothesis: None,
+        best: None,
     }))
 }
 
 /// The experiment with a prior for the parameter whose value in the preset contradicts the data most, and the cost then; `None` if there is
-/// no such parameter.
+/// no such parameter. `as_is` is the cost without.
 pub(super) fn released(
     judge: &Judge,
     experiment: &Experiment,
+    as_is: &Cost,
     time: Duration,
 ) -> Result<Option<(Experiment, Cost)>, CalibrateError> {
-    let (setup, runs) = prepared(judge, experiment, time)?;
-    let point = setup.refit(&runs).and_then(|fitted| Linearization::judged(&setup, fitted, &runs));
     // A preset with which the model cannot be run is judged by the checks that follow.
-    let Some(own) = point.ok().and_then(|point| undeclared::best(&point, LEAST)) else { return Ok(None) };
+    let Some(best) = &as_is.best else { return Ok(None) };
+    let (setup, runs) = prepared(judge, experiment, time)?;
+    let point = Linearization::judged(&setup, best.clone(), &runs).ok();
+    let Some(own) = point.and_then(|point| undeclared::best(&point, LEAST)) else { return Ok(None) };
     let cost = Cost::new(&own.setup, own.fitted, &runs)?;
     if cost.is_cut {
         return Ok(None);
