@@ -328,3 +328,26 @@ fn an_effect_that_is_on_is_seen() {
         assert!(modes.any(moves), "{id} does nothing");
     }
 }
+
+/// Read alone, the power at the terminals is evaluated without the rest of the balance: the same value to the last bit.
+#[test]
+fn the_power_read_alone_is_that_of_the_balance() {
+    for drive in DRIVES {
+        for coupling in COUPLINGS {
+            for effects in [Effects::default(), Effects::examples()] {
+                let mut powers = 0;
+                run(drive, coupling, effects, true, |m| {
+                    let alone = output(m, "power_electrical");
+                    output(m, "power_balance_error");
+                    assert_eq!(
+                        alone.to_bits(),
+                        output(m, "power_electrical").to_bits(),
+                        "{drive:?} {coupling:?}"
+                    );
+                    powers += i32::from(alone != 0.0);
+                });
+                assert!(powers > 0, "{drive:?} {coupling:?}");
+            }
+        }
+    }
+}

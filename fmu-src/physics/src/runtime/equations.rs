@@ -78,6 +78,11 @@ pub trait Equations<const N: usize>: Clone + Debug + Saved + Send + Sync + Sized
     fn output(_run: &Runtime<Self, N>, _row: usize) -> Option<f64> {
         None
     }
+    /// The output of the energy balance in this row, if it needs no evaluation of all power flows.
+    #[inline]
+    fn flow(_run: &Runtime<Self, N>, _row: usize) -> Option<f64> {
+        None
+    }
     /// The outputs of the energy balance.
     fn balance(run: &Runtime<Self, N>, point: &Self::Point) -> Self::Balance;
     /// The event indicators.

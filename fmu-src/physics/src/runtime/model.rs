@@ -62,6 +62,9 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
             }
             BALANCE => {
                 if !self.has_balance {
+                    if let Some(value) = M::flow(self, row) {
+                        return value;
+                    }
                     (self.balance, self.has_balance) = (self.look(M::balance), true);
                 }
                 self.balance.get(row)

@@ -392,13 +392,21 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
         Ends { voltage, shaft_torque, drag, bridge, r, k }
     }
 
+    /// Input power at the terminals (drive_mode pwm: at the drive) and as heat, W, with the winding at `t_w`, K.
+    fn power_in(&self, t: f64, x: &Fast, t_w: f64, ends: &Ends) -> f64 {
+        let (i, w) = (x[0], x[1]);
+        let (load, drive) = (self.power_mode_torque(w) * w, self.drive.at(t) + ends.bridge * i);
+        ends.voltage * i + self.heat_at(t, w) + load + self.stator.at(t) + self.ripple_loss(t, t_w) + drive
+    }
+
     /// Evaluates the equations at one instant.
     pub fn point(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Point {
         use Account::*;
         let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
         let (t_w, t_h) = (temperature[WINDING], temperature[CORE]);
-        let Ends { voltage, shaft_torque, drag, bridge, r, k } = self.ends(t, x, temperature);
+        let ends = self.ends(t, x, temperature);
+        let Ends { voltage, shaft_torque, drag, bridge, r, k } = ends;
         let lost = self.ports().terminal_voltage(i);
         let fast = self.fast_rates(t, x, temperature);
         let (heat, stator, load) = (self.heat_at(t, w), self.stator.at(t), self.power_mode_torque(w) * w);
@@ -431,7 +439,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
         let warming = self.network_rates(t, temperature)
             + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity());
         let to_ambient = self.outflow(t, temperature) + drive;
-        let power_in = voltage * i + heat + load + stator + self.ripple_loss(t, t_w) + drive;
+        let power_in = self.power_in(t, x, t_w, &ends);
         Point { voltage, power_in, drive, drag, shaft_torque, fast, warming, to_ambient, ledger }
     }
 

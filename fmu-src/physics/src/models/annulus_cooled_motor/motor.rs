@@ -83,6 +83,8 @@ const ANGLE_ROW: usize = 1;
 const SPEED_ROW: usize = 2;
 const WINDING_SENSOR: usize = 4;
 const HOUSING_SENSOR: usize = 7;
+/// Power at the terminals among the outputs of the energy balance, which a drive reads at every step.
+const POWER_ROW: usize = 3;
 /// Distance from the border of a sector within which an electrical angle is at the border, rad.
 const NEAR_SECTOR: f64 = 1e-9;
 
@@ -274,6 +276,11 @@ impl Equations<ALL> for Motor {
             }
             _ => None,
         }
+    }
+
+    /// The power at the terminals needs no evaluation of the cooling.
+    fn flow(run: &AnnulusCooledMotor, row: usize) -> Option<f64> {
+        (row == POWER_ROW).then(|| run.observe(false, |m| m.equations().power_electrical(&m.own.state)))
     }
 
     fn balance(run: &AnnulusCooledMotor, (): &()) -> EnergyBalance {

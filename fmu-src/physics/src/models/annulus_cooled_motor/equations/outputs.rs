@@ -36,6 +36,17 @@ impl<const PLAIN: bool> Step<'_, PLAIN> {
         }
     }
 
+    /// Power at the terminals (drive_mode pwm: at the supply of the drive) at the start of the step, W.
+    pub fn power_electrical(&self, state: &State<NODES>) -> f64 {
+        let (x, temperature) = (&state.x, &state.temperature);
+        self.at_terminals(self.power_in(0.0, x, temperature[WINDING], &self.ends(0.0, x, temperature)))
+    }
+
+    /// The part of the input power at the terminals, W: without heat that no current causes.
+    fn at_terminals(&self, power_in: f64) -> f64 {
+        power_in - self.inputs.heat_power - self.model.effects.winding_heat()
+    }
+
     /// Copper loss and friction loss, W.
     pub fn heat_flows(&self, state: &State<NODES>) -> [f64; 2] {
         let p = self.point(0.0, &state.x, &state.temperature);
@@ -91,7 +102,6 @@ impl<const PLAIN: bool> Step<'_, PLAIN> {
         network: Option<&Network>,
     ) -> EnergyBalance {
         use Account::*;
-        let model = self.model;
         let (x, temperature) = (&state.x, &state.temperature);
         let w = x[1];
         let mut p = self.point(0.0, x, temperature);
@@ -115,7 +125,7 @@ impl<const PLAIN: bool> Step<'_, PLAIN> {
         let copper = self.copper_loss(state, p.drive);
         let stored = self.stored(state, origin) + network.map_or(0.0, |n| n.stored(origin));
         EnergyBalance {
-            power_electrical: p.power_in - self.inputs.heat_power - model.effects.winding_heat(),
+            power_electrical: self.at_terminals(p.power_in),
             power_mechanical: p.shaft_torque * w,
             loss_copper: copper,
             loss_iron: self.iron_drag(w) * w,
