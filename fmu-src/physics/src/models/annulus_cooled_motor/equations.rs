@@ -50,10 +50,15 @@ pub type Temperatures = SVector<f64, NODES>;
 /// Number of states of [`Step::rates`]: current, speed, angle, T_w, T_h, and the three energies.
 pub const STATES: usize = 3 + NODES + 3;
 
-/// The equations over one step with linear inputs. Times are seconds from the start of the step. `PLAIN` equations are those of
-/// [`Constants::are_plain`], without the branches of the others.
+/// Form of the equations: all of them, those of [`Constants::are_plain`] without the branches of the others, or the latter without a
+/// network.
+pub const ALL: u8 = 0;
+pub(super) const PLAIN: u8 = 1;
+pub(super) const PLAIN_ALONE: u8 = 2;
+
+/// The equations over one step with linear inputs, in one of the forms. Times are seconds from the start of the step.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<'a, const PLAIN: bool = false> {
+pub struct Step<'a, const FORM: u8 = ALL> {
     model: &'a Parameters,
     inputs: &'a Inputs,
     slopes: &'a Inputs,
@@ -156,8 +161,8 @@ impl<'a> Step<'a> {
     }
 }
 
-impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
-    /// The equations of [`new`](Step::new); `PLAIN` only if they are.
+impl<'a, const FORM: u8> Step<'a, FORM> {
+    /// The equations of [`new`](Step::new); `FORM` as it applies.
     #[inline(always)]
     pub(super) fn of(
         model: &'a Parameters,
@@ -175,7 +180,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
             }
             DriveMode::Current | DriveMode::Power => none,
         };
-        let bends = !PLAIN && model.choices.drive_mode == DriveMode::Pwm;
+        let bends = !Self::PLAIN && model.choices.drive_mode == DriveMode::Pwm;
         let voltage_bend = if bends { s.duty * s.voltage } else { 0.0 };
         let current = match model.choices.drive_mode {
             DriveMode::Current => Line { start: u.current_command, slope: s.current_command },
@@ -214,7 +219,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
             ambient,
             strength: constants.torque_factor * model.effects.torque_constant(time),
             excess: 0.0,
-            chopper: Chopper::new(model, !PLAIN && constants.chops, inputs, slopes),
+            chopper: Chopper::new(model, !Self::PLAIN && constants.chops, inputs, slopes),
             conductance,
             coupling: ThermalCoupling { conductance, winding: ambient, core: ambient, rotor: none },
         }
@@ -256,6 +261,13 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
         self.ambient.start
     }
 
+    const PLAIN: bool = FORM != ALL;
+
+    #[inline(always)]
+    fn has_network(&self) -> bool {
+        FORM != PLAIN_ALONE && self.constants.has_network
+    }
+
     fn is_free(&self) -> bool {
         self.constants.inverse_j != 0.0
     }
@@ -267,7 +279,10 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
     #[inline]
     fn ports(&self) -> Ports<'_> {
         let acts = self.constants.acts;
-        Ports { effects: &self.model.effects, acts: if PLAIN { acts.only(Port::DragTorque) } else { acts } }
+        Ports {
+            effects: &self.model.effects,
+            acts: if Self::PLAIN { acts.only(Port::DragTorque) } else { acts },
+        }
     }
 
     /// Drag torque, N.m; `k` is the torque constant.
@@ -275,7 +290,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
     fn drag(&self, t: f64, x: &Fast, k: f64) -> f64 {
         let effects = self.ports();
         let own = effects.drag_torque(x[1]);
-        if PLAIN {
+        if Self::PLAIN {
             own
         } else if self.is_free() {
             let load = self.load.at(t);
@@ -290,7 +305,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
 
     #[inline(always)]
     fn conductance_at(&self, t: f64) -> PerNode {
-        if PLAIN || self.slopes.fan_command == 0.0 || self.constants.has_network {
+        if Self::PLAIN || self.slopes.fan_command == 0.0 || self.has_network() {
             self.conductance
         } else {
             self.model.to_ambient(self.inputs.fan_command + self.slopes.fan_command * t)
@@ -300,7 +315,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
     /// Temperature of the magnets, K; that of the housing without a rotor node.
     #[inline(always)]
     fn magnets(&self, t: f64, temperature: &Temperatures) -> f64 {
-        if self.constants.has_network { self.coupling.rotor.at(t) } else { temperature[CORE] }
+        if self.has_network() { self.coupling.rotor.at(t) } else { temperature[CORE] }
     }
 
     /// Torque constant at the temperature of the magnets.
@@ -312,7 +327,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
     /// Part of the drag power `drag`, W, that heats the core, W.
     #[inline(always)]
     fn drag_in_core(&self, w: f64, drag: f64) -> f64 {
-        if !self.constants.has_network {
+        if !self.has_network() {
             drag
         } else if self.constants.iron_in_core {
             self.iron_drag(w) * w
@@ -354,7 +369,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
             winding: conductance.winding * (temperature[WINDING] - coupling.winding.at(t)),
             housing: conductance.housing * (temperature[CORE] - coupling.core.at(t)),
         };
-        if !(PLAIN || self.constants.has_network) {
+        if !(Self::PLAIN || self.has_network()) {
             let (effects, t_h) = (self.ports(), temperature[CORE]);
             leaving.housing +=
                 effects.housing_to_ambient(t_h, self.ambient.at(t)) - effects.housing_heat(t_h);
@@ -430,7 +445,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
             ledger.transfer(AirGap, Kinetic, motor.J * w * fast[1]);
         }
         ledger.transfer(Winding, core, across);
-        if !self.constants.has_network {
+        if !self.has_network() {
             ledger.transfer(Winding, Ambient, leaving.winding);
             ledger.transfer(core, Ambient, leaving.housing);
         }
@@ -445,7 +460,7 @@ impl<'a, const PLAIN: bool> Step<'a, PLAIN> {
 
     /// The account of the core in the energy balance.
     fn core(&self) -> Account {
-        if self.constants.has_network { Account::Stator } else { Account::Housing }
+        if self.has_network() { Account::Stator } else { Account::Housing }
     }
 
     /// Derivatives of all states, for an integrator without operator splitting.

@@ -5,7 +5,7 @@
 //! large an error is rejected and shortened. For communication steps of milliseconds one substep is enough.
 
 use super::cooling::Conditions;
-use super::equations::{NODES, Step, ThermalCoupling};
+use super::equations::{ALL, NODES, PLAIN, PLAIN_ALONE, Step, ThermalCoupling};
 use super::motor::AnnulusCooledMotor;
 use super::network::{CouplingIntegrals, Network};
 use super::parameters::Parameters;
@@ -50,9 +50,9 @@ impl AnnulusCooledMotor {
         if self.own.network.is_some() {
             self.advance_in_pieces(time, h)?;
         } else if self.own.constants.are_plain(&self.slopes) {
-            self.advance_two_nodes::<true>(time, h)?;
+            self.advance_two_nodes::<PLAIN_ALONE>(time, h)?;
         } else {
-            self.advance_two_nodes::<false>(time, h)?;
+            self.advance_two_nodes::<ALL>(time, h)?;
         }
         // The following is evaluated at the end of the step, where the inputs have their final values.
         self.slopes = Inputs::zero();
@@ -63,11 +63,11 @@ impl AnnulusCooledMotor {
         Ok(())
     }
 
-    fn advance_two_nodes<const PLAIN: bool>(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+    fn advance_two_nodes<const FORM: u8>(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         self.follow_cooling();
         let excess = self.mean_excess(h);
         let inputs = [&self.inputs, &self.slopes];
-        let mut step = Step::<PLAIN>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time);
+        let mut step = Step::<FORM>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time);
         step.excess = excess;
         let (state, mut next) = (&self.own.state, self.own.state);
         self.own
@@ -142,13 +142,13 @@ impl AnnulusCooledMotor {
     /// One substep. `Ok(Err(h))` if it must be shortened to `h` seconds; the state is then unchanged.
     fn substep(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
         match self.own.constants.are_plain(&self.slopes) {
-            true => self.substep_of::<true>(time, h),
-            false => self.substep_of::<false>(time, h),
+            true => self.substep_of::<PLAIN>(time, h),
+            false => self.substep_of::<ALL>(time, h),
         }
     }
 
     /// The same with the plain equations or all of them.
-    fn substep_of<const PLAIN: bool>(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
+    fn substep_of<const FORM: u8>(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
         let ambient = self.ambient(time);
         let still = !self.is_sloping();
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
@@ -164,7 +164,7 @@ impl AnnulusCooledMotor {
         let fan_conductance = fan_conductance(p, middle.fan_command);
         let start = coupling(network, fan_conductance, ambient, None);
         let none = PerNode::default();
-        let mut step = Step::<PLAIN>::of(p, constants, [&self.inputs, &self.slopes], none, time);
+        let mut step = Step::<FORM>::of(p, constants, [&self.inputs, &self.slopes], none, time);
         step.excess = excess;
         step.couple(start);
         let friction = step.drag_beyond(&state.x, &state.temperature);
@@ -298,9 +298,9 @@ impl AnnulusCooledMotor {
 impl Phases {
     /// The phases after the first `h` seconds of a step between two states.
     #[inline]
-    fn over<const PLAIN: bool>(
+    fn over<const FORM: u8>(
         &self,
-        step: &Step<PLAIN>,
+        step: &Step<FORM>,
         [from, to]: [&State<NODES>; 2],
         h: f64,
         parameters: &Parameters,

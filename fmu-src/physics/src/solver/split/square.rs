@@ -49,7 +49,7 @@ impl Squares {
 
     /// int i^2 dt over a step with these currents and speeds at its start, middle and end, with the integrals of x and of t x. Also the
     /// error of the trapezoidal rule if Simpson's rule replaces eq. (3), else 0.
-    #[inline]
+    #[inline(always)]
     pub fn integral(&self, h: f64, x: &[Fast; 3], n: &Forcing<2>, [first, moment]: [&Fast; 2]) -> (f64, f64) {
         let Some(Form { s, second, coupled }) = &self.0 else {
             let [start, middle, end] = x.map(|x| x[0] * x[0]);

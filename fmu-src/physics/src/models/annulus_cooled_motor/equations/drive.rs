@@ -78,17 +78,17 @@ impl Chopper {
 }
 
 /// The drive in drive_mode pwm.
-impl<const PLAIN: bool> Step<'_, PLAIN> {
+impl<const FORM: u8> Step<'_, FORM> {
     /// Whether the drive has losses.
     #[inline]
     pub(super) fn loses(&self) -> bool {
-        !PLAIN && self.chopper.loses
+        !Self::PLAIN && self.chopper.loses
     }
 
     /// Whether all switches are open.
     #[inline(always)]
     pub(super) fn coasts(&self) -> bool {
-        !PLAIN && self.chopper.coasts
+        !Self::PLAIN && self.chopper.coasts
     }
 
     /// Bridge voltage drop at the current `i`, V; it becomes heat.
@@ -102,7 +102,7 @@ impl<const PLAIN: bool> Step<'_, PLAIN> {
     pub(super) fn source(&self, t: f64, e: f64) -> f64 {
         if self.coasts() {
             self.chopper.open_voltage(t, e).0
-        } else if PLAIN {
+        } else if Self::PLAIN {
             self.voltage.at(t)
         } else {
             self.voltage.at(t) + self.voltage_bend * (t * t)

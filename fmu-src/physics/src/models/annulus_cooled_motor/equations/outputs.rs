@@ -9,7 +9,7 @@ use crate::models::annulus_cooled_motor::network::Network;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, EnergyBalance, Outputs};
 use crate::solver::split::{State, System};
 
-impl<const PLAIN: bool> Step<'_, PLAIN> {
+impl<const FORM: u8> Step<'_, FORM> {
     /// Outputs at the start of the step; `t_sensor` is the temperature of the housing sensor.
     pub fn outputs(&self, state: &State<NODES>, t_sensor: f64, phases: &Phases) -> Outputs {
         let (model, ambient) = (self.model, self.ambient.start);

@@ -16,7 +16,7 @@ pub struct Instant {
     drag: f64,
 }
 
-impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
+impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
     type Instant = Instant;
 
     #[inline(always)]
@@ -65,7 +65,7 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
         (gain.component_mul(&self.constants.inverse_capacity), leaving.winding + leaving.housing)
     }
 
-    const IS_NETWORK_LINEAR: bool = PLAIN;
+    const IS_NETWORK_LINEAR: bool = Self::PLAIN;
 
     #[inline(always)]
     fn network_remainder(
@@ -75,7 +75,7 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
         matrix: &SMatrix<f64, NODES, NODES>,
         share: &Temperatures,
     ) -> (Temperatures, f64) {
-        if !PLAIN {
+        if !Self::PLAIN {
             let (rates, outflow) = self.network(t, temperature);
             return (rates - product(matrix, temperature), outflow - share.dot(temperature));
         }
@@ -142,7 +142,7 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
 
         let (friction, mut quadrature_error) = against(instants.map(|instant| instant.drag), 1);
         let mut in_core = friction;
-        if self.constants.has_network {
+        if self.has_network() {
             let iron =
                 |n: usize| if self.constants.iron_in_core { self.iron_drag(segment.x[n][1]) } else { 0.0 };
             let error_of_iron;
@@ -194,7 +194,7 @@ impl<const PLAIN: bool> System<NODES> for Step<'_, PLAIN> {
                 let error_of_open;
                 (supplied, error_of_open) = against(open, 0);
                 quadrature_error += error_of_open;
-            } else if !PLAIN && self.voltage_bend != 0.0 {
+            } else if !Self::PLAIN && self.voltage_bend != 0.0 {
                 let (bend, error_of_bend) = against(at.map(|t| self.voltage_bend * (t * t)), 0);
                 supplied += bend;
                 quadrature_error += error_of_bend;
