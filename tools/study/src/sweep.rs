@@ -6,6 +6,7 @@ mod figure;
 mod vary;
 
 use crate::StudyError;
+use crate::walk::Known;
 pub use case::{Case, ConstantInputs, Target, Walking};
 pub use figure::check_figure;
 use rayon::prelude::*;
@@ -15,6 +16,10 @@ pub use vary::{Choice, PRESET, Vary};
 
 /// Points that a sweep may have.
 const MAX_POINTS: usize = 1_000_000;
+/// Most points that follow each other in one thread, where each search begins at the steady state of the point before, and number of
+/// such rows in a smaller sweep.
+const ROW: usize = 10;
+const ROWS: usize = 16;
 
 /// A limit of a quantity: points beyond it are infeasible.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -167,19 +172,24 @@ pub fn sweep(
     }
     check(case, vary)?;
     let done = AtomicUsize::new(0);
-    let at = |k: usize| {
+    let at = |k: usize, known: &mut Known| {
         let values = grid_point(vary, k);
         let sets: Vec<(&str, &Choice)> =
             vary.iter().zip(&values).map(|(v, value)| (v.name.as_str(), value)).collect();
         let found = case
-            .at(&sets, &targets)
+            .at(&sets, &targets, known)
             .and_then(|found| feasible(found, objectives.len(), &constraints, &targets));
         progress(done.fetch_add(1, Ordering::Relaxed) + 1);
         let failure = found.as_ref().err().map(ToString::to_string);
         let found = found.unwrap_or_default();
         Point { values, objective: found.first().copied(), objectives: found, pareto: false, failure }
     };
-    let mut points: Vec<Point> = (0..count).into_par_iter().map(at).collect();
+    let length = (count / ROWS).clamp(1, ROW);
+    let row = |r: usize| {
+        let (mut known, at) = (Known::default(), &at);
+        (r * length..count.min((r + 1) * length)).map(move |k| at(k, &mut known))
+    };
+    let mut points: Vec<Point> = (0..count.div_ceil(length)).into_par_iter().flat_map_iter(row).collect();
     mark_pareto(&mut points, &objectives);
     let better = |a: &f64, b: &f64| if first.least_is_best { b.total_cmp(a) } else { a.total_cmp(b) };
     let best = points

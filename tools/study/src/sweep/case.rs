@@ -4,7 +4,7 @@ use super::vary::{Choice, PRESET};
 use crate::StudyError;
 use crate::bench::Bench;
 use crate::steady::{Setup, continuous_torque, steady};
-use crate::walk::{Load, Objective};
+use crate::walk::{Known, Load, Objective};
 use describe::Preset;
 use physics::declare::Kind;
 use physics::model::Entry;
@@ -33,11 +33,16 @@ pub trait Case: Sync {
     /// # Errors
     /// There is no such variable.
     fn unit(&self, name: &str) -> Result<&'static str, StudyError>;
-    /// The quantities with these values, set last.
+    /// The quantities with these values, set last; `known` is from a point near this one.
     ///
     /// # Errors
     /// A value that is refused, or no steady state.
-    fn at(&self, sets: &[(&str, &Choice)], targets: &[Target]) -> Result<Vec<f64>, StudyError>;
+    fn at(
+        &self,
+        sets: &[(&str, &Choice)],
+        targets: &[Target],
+        known: &mut Known,
+    ) -> Result<Vec<f64>, StudyError>;
     /// Whether a value is taken.
     ///
     /// # Errors
@@ -105,7 +110,12 @@ impl Case for ConstantInputs {
         if name == PRESET { Ok("1") } else { Ok(unit_of(self.setup.bench()?.entry(name)?)) }
     }
 
-    fn at(&self, sets: &[(&str, &Choice)], targets: &[Target]) -> Result<Vec<f64>, StudyError> {
+    fn at(
+        &self,
+        sets: &[(&str, &Choice)],
+        targets: &[Target],
+        _: &mut Known,
+    ) -> Result<Vec<f64>, StudyError> {
         let mut bench = self.with(sets)?;
         let at_limit = |name: &str| matches!(name, "continuous_torque" | "torque_density");
         let continuous =
@@ -166,15 +176,21 @@ impl Case for Walking {
         Ok(entry.map_or(unit, unit_of))
     }
 
-    fn at(&self, sets: &[(&str, &Choice)], targets: &[Target]) -> Result<Vec<f64>, StudyError> {
+    fn at(
+        &self,
+        sets: &[(&str, &Choice)],
+        targets: &[Target],
+        known: &mut Known,
+    ) -> Result<Vec<f64>, StudyError> {
         let load = self.with(sets)?;
+        known.next_load();
         let mut found = vec![f64::NAN; targets.len()];
         let mut order: Vec<usize> = (0..targets.len()).collect();
         // A search for the continuous torque takes long; a load without steady state is infeasible before it.
         order.sort_by_key(|k| AT_LIMIT.contains(&targets[*k].name.as_str()));
         for k in order {
             let name = &targets[k].name;
-            let value = Objective::named(name)?.of(&load, self.hours);
+            let value = Objective::named(name)?.of(&load, self.hours, known);
             found[k] = value.map_err(|why| match AT_LIMIT.contains(&name.as_str()) {
                 true => StudyError::new(format!("{name}: {why}")),
                 false => StudyError::new(format!("{name} under the given load: {why}")),

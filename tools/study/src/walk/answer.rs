@@ -17,36 +17,66 @@ pub struct Objective {
     pub unit: &'static str,
     /// Whether the least value is the best.
     pub least_is_best: bool,
-    of: fn(&Load, f64) -> Result<f64, StudyError>,
+    of: Of,
+}
+
+/// What an objective is computed from.
+#[derive(Clone, Copy)]
+enum Of {
+    /// The periodic steady state.
+    Steady(fn(&Periodic) -> f64),
+    /// A search of its own, in a walk of so many hours at most.
+    Load(fn(&Load, f64) -> Result<f64, StudyError>),
 }
 
 /// The torque and its fraction at the greatest continuous support; temperature, power and torque error in the periodic steady
 /// state; the time until the winding reaches its limit, or the duration of the walk where it does not.
 const OBJECTIVES: [Objective; 7] = {
-    const fn new(
-        name: &'static str,
-        unit: &'static str,
-        least_is_best: bool,
-        of: fn(&Load, f64) -> Result<f64, StudyError>,
-    ) -> Objective {
+    use Of::{Load, Steady};
+    const fn new(name: &'static str, unit: &'static str, least_is_best: bool, of: Of) -> Objective {
         Objective { name, unit, least_is_best, of }
     }
     [
-        new("continuous_torque", "N.m", false, |l, _| {
-            Ok(continuous_support(l, &|_| ())?.at.joint_torque_peak)
-        }),
-        new("torque_density", "N.m/kg", false, |l, _| {
-            Ok(continuous_support(l, &|_| ())?.at.joint_torque_peak / l.mass()?)
-        }),
-        new("continuous_support", "1", false, |l, _| Ok(continuous_support(l, &|_| ())?.support)),
-        new("winding_temperature", "K", true, |l, _| Ok(periodic(l)?.winding_temperature)),
-        new("supply_power", "W", true, |l, _| Ok(periodic(l)?.power_supply)),
-        new("torque_error", "N.m", true, |l, _| Ok(periodic(l)?.torque_error_rms)),
-        new("time_to_limit", "s", false, |l, hours| {
-            Ok(walk(l, hours, &|_| ())?.envelope.time_to_limit.unwrap_or(hours * 3600.0))
-        }),
+        new(
+            "continuous_torque",
+            "N.m",
+            false,
+            Load(|l, _| Ok(continuous_support(l, &|_| ())?.at.joint_torque_peak)),
+        ),
+        new(
+            "torque_density",
+            "N.m/kg",
+            false,
+            Load(|l, _| Ok(continuous_support(l, &|_| ())?.at.joint_torque_peak / l.mass()?)),
+        ),
+        new("continuous_support", "1", false, Load(|l, _| Ok(continuous_support(l, &|_| ())?.support))),
+        new("winding_temperature", "K", true, Steady(|s| s.winding_temperature)),
+        new("supply_power", "W", true, Steady(|s| s.power_supply)),
+        new("torque_error", "N.m", true, Steady(|s| s.torque_error_rms)),
+        new(
+            "time_to_limit",
+            "s",
+            false,
+            Load(|l, hours| Ok(walk(l, hours, &|_| ())?.envelope.time_to_limit.unwrap_or(hours * 3600.0))),
+        ),
     ]
 };
+
+/// What is known of a load and of one near it.
+#[derive(Clone, Debug, Default)]
+pub struct Known {
+    /// The periodic steady state of the load.
+    steady: Option<Periodic>,
+    /// Temperatures of the motor in the last steady state, K.
+    near: Option<Vec<f64>>,
+}
+
+impl Known {
+    /// For the next load.
+    pub fn next_load(&mut self) {
+        self.steady = None;
+    }
+}
 
 impl Objective {
     /// From its name.
@@ -66,8 +96,20 @@ impl Objective {
     ///
     /// # Errors
     /// A load without that value.
-    pub fn of(&self, load: &Load, hours: f64) -> Result<f64, StudyError> {
-        (self.of)(load, hours)
+    pub fn of(&self, load: &Load, hours: f64, known: &mut Known) -> Result<f64, StudyError> {
+        let of = match self.of {
+            Of::Load(of) => return of(load, hours),
+            Of::Steady(of) => of,
+        };
+        let at = match known.steady {
+            Some(at) => at,
+            None => {
+                let (walker, at) = steady(&load.walker()?, known.near.as_deref())?;
+                known.near = Some(walker.temperatures());
+                *known.steady.insert(at)
+            }
+        };
+        Ok(of(&at))
     }
 }
 
@@ -97,7 +139,7 @@ pub fn walk(load: &Load, hours: f64, done: Done<'_>) -> Result<Walked, StudyErro
     check_hours(hours)?;
     let walker = load.walker()?;
     let limit = load.get("thermal.T_w_max")?;
-    let forever = match steady(&walker) {
+    let forever = match steady(&walker, None) {
         Ok((_, stride)) => Some(stride),
         Err(StudyError::Unsettled(_)) => None,
         Err(other) => return Err(other),
@@ -125,7 +167,7 @@ pub fn check_hours(hours: f64) -> Result<(), StudyError> {
 /// # Errors
 /// Thermal runaway, or a load that does not start.
 pub fn periodic(load: &Load) -> Result<Periodic, StudyError> {
-    Ok(steady(&load.walker()?)?.1)
+    Ok(steady(&load.walker()?, None)?.1)
 }
 
 #[cfg(test)]
@@ -167,7 +209,7 @@ mod tests {
             let found = periodic(&load).unwrap();
             let seconds = begun.elapsed().as_secs_f64();
             // From below, but not from ambient: the way there has been followed by the other tests.
-            let (mut walker, _) = steady(&load.walker().unwrap()).unwrap();
+            let (mut walker, _) = steady(&load.walker().unwrap(), None).unwrap();
             let below: Vec<f64> = walker.temperatures().iter().map(|t| t - 1.0).collect();
             walker.put_temperatures(&below);
             let mut twenty_strides =
@@ -214,6 +256,31 @@ mod tests {
             }
         }
         assert!(found.envelope.strides_walked < exact.len() as u32 / 5);
+    }
+
+    /// A search from the steady state of a similar load ends at the same steady state in fewer strides; one from temperatures that lead
+    /// nowhere is repeated from the start.
+    #[test]
+    fn a_steady_state_nearby_shortens_the_search() {
+        let find = |load: &Load, near: Option<&[f64]>| steady(&load.walker().unwrap(), near).unwrap();
+        let (walker, _) = find(&load(WALK, &[("fan_command", "0.5")]), None);
+        let other = load(WALK, &[("fan_command", "0.6")]);
+        let (_, alone) = find(&other, None);
+        let near = walker.temperatures();
+        let hot = vec![900.0; near.len()];
+        for near in [near, hot, vec![350.0]] {
+            let (_, found) = find(&other, Some(&near));
+            println!("{near:?}: {} instead of {} strides", found.strides_walked, alone.strides_walked);
+            assert!(
+                (found.winding_temperature - alone.winding_temperature).abs() < 5e-3,
+                "{found:?} {alone:?}"
+            );
+            assert_eq!(
+                found.strides_walked < alone.strides_walked,
+                near[0] < 400.0 && near.len() > 1,
+                "{near:?}"
+            );
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! Phi(y) are the temperatures after a stride that began at y.
 //! slope        Phi' = S = exp(A T), A the slopes of the heat flows, T the stride; then Broyden's updates      (1)
-//! steady       y <- y + (1 - S)^-1 (Phi(y) - y), step by step of 30 K at most until the step is small         (2)
+//! steady       y <- y + (1 - S)^-1 (Phi(y) - y), in steps of 30 K and, where the slope predicts well, more, until they are small (2)
 //! envelope     y after m strides = y + (S^m - 1) (S - 1)^-1 (Phi(y) - y), with m as the error of a jump of m
 //!              against two of m / 2 allows                                                                 (3)
 //!
@@ -21,8 +21,10 @@ use nalgebra::{DMatrix, DVector};
 const STEADY: f64 = 2e-3;
 /// Strides that the search may take.
 const MOST_STRIDES: u32 = 60;
-/// Longest step of the search, K: derivatives of a cold winding do not hold 100 K above.
+/// Longest first step of the search, K: derivatives of a cold winding do not hold 100 K above.
 const LONGEST: f64 = 30.0;
+/// The next step may be twice as long if the slope predicts the gain of a step within this fraction of its change.
+const PREDICTED: f64 = 0.1;
 /// Disturbance of a steady state, along the slowest mode, for the stability test, K.
 const NUDGE: f64 = 1.0;
 /// Temperature that counts as thermal runaway, K.
@@ -53,20 +55,32 @@ fn change_with_slopes(walker: &mut Walker) -> Result<(Change, DMatrix<f64>), Stu
     Ok((Change { gain: DVector::from_vec(walker.temperatures()) - before, stride }, s))
 }
 
-/// The walker in its periodic steady state, and the stride there with the number of strides that were simulated to find it.
+/// The walker in its periodic steady state, and the stride there with the number of strides that were simulated to find it. `near` are
+/// temperatures near those of the steady state, K, if some are known; the result does not depend on them beyond its tolerance.
 ///
 /// # Errors
 /// No steady state: thermal runaway of the winding.
-pub fn steady(walker: &Walker) -> Result<(Walker, Periodic), StudyError> {
-    let mut walker = walker.clone();
-    let settling = walker.settling();
-    for _ in 0..settling {
+pub fn steady(walker: &Walker, near: Option<&[f64]>) -> Result<(Walker, Periodic), StudyError> {
+    let fits = near.filter(|near| near.len() == walker.temperatures().len());
+    let from_near = fits.and_then(|near| {
+        let mut walker = walker.clone();
+        walker.put_temperatures(near);
+        search(walker).ok()
+    });
+    from_near.map_or_else(|| search(walker.clone()), Ok)
+}
+
+/// The search from the temperatures of the walker.
+fn search(mut walker: Walker) -> Result<(Walker, Periodic), StudyError> {
+    // The last stride until current and motion repeat is near enough to one that repeats for a first estimate.
+    let settling = walker.settling().max(1);
+    for _ in 1..settling {
         walker.stride()?;
     }
     let mut y = DVector::from_vec(walker.temperatures());
     let (Change { gain: mut f, .. }, s) = change_with_slopes(&mut walker)?;
     let mut minus = &s - DMatrix::identity(y.len(), y.len());
-    let mut walked = settling + 1;
+    let (mut walked, mut longest) = (settling, LONGEST);
     let runaway = || {
         StudyError::Unsettled(
             "thermal runaway: no periodic steady state, since the losses grow faster with the winding's temperature than \
@@ -76,7 +90,7 @@ pub fn steady(walker: &Walker) -> Result<(Walker, Periodic), StudyError> {
     };
     while walked < MOST_STRIDES {
         let mut step = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
-        step *= (LONGEST / step.amax()).min(1.0);
+        step *= (longest / step.amax()).min(1.0);
         let next = &y + &step;
         if next.iter().any(|t| !(0.0..RUNAWAY).contains(t)) {
             return Err(runaway());
@@ -85,8 +99,12 @@ pub fn steady(walker: &Walker) -> Result<(Walker, Periodic), StudyError> {
         let Change { gain: f_next, stride } = change(&mut walker)?;
         walked += 1;
         // Broyden: the slope that the last step has seen.
-        let seen = (&f_next - &f - &minus * &step) / step.norm_squared().max(1e-300);
-        minus += seen * step.transpose();
+        let predicted = &minus * &step;
+        let seen = &f_next - &f - &predicted;
+        if seen.amax() < PREDICTED * predicted.amax() {
+            longest *= 2.0;
+        }
+        minus += seen / step.norm_squared().max(1e-300) * step.transpose();
         (y, f) = (next, f_next);
         // What the next step would be is how far the steady state is.
         let left = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
@@ -263,7 +281,9 @@ mod tests {
     fn steady_states_exist_up_to_thermal_runaway() {
         let found: Vec<Option<f64>> = (0..13)
             .map(|k| {
-                steady(&bare(0.40 + 0.02 * f64::from(k))).ok().map(|(_, stride)| stride.winding_temperature)
+                steady(&bare(0.40 + 0.02 * f64::from(k)), None)
+                    .ok()
+                    .map(|(_, stride)| stride.winding_temperature)
             })
             .collect();
         println!("{found:?}");
@@ -276,7 +296,7 @@ mod tests {
     /// A little above the steady state the winding comes back to it; far above it warms on and on.
     #[test]
     fn beyond_the_second_steady_state_nothing_comes_back() {
-        let (walker, ..) = steady(&bare(0.5)).unwrap();
+        let (walker, ..) = steady(&bare(0.5), None).unwrap();
         let back = |warmer: f64| {
             let mut walker = walker.clone();
             let hot: Vec<f64> = walker.temperatures().iter().map(|t| t + warmer).collect();

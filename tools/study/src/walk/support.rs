@@ -145,13 +145,7 @@ impl Search<'_> {
         self.left *= LEFT;
         let mut load = self.load.clone();
         load.set_support(support)?;
-        let cold = load.walker()?;
-        let from_warm = self.warm.as_ref().and_then(|temperatures| {
-            let mut walker = cold.clone();
-            walker.put_temperatures(temperatures);
-            steady(&walker).ok()
-        });
-        match from_warm.map_or_else(|| steady(&cold), Ok) {
+        match steady(&load.walker()?, self.warm.as_deref()) {
             Ok((walker, at)) => {
                 self.warm = Some(walker.temperatures());
                 let trial = Trial::Steady(at);
