@@ -1,9 +1,12 @@
-//! What a step costs through the C interface of the built library, beside diffsol's BDF on the same equations.
+//! What a step costs through the C interface of the built library, beside diffsol's BDF and CVODE on the same equations.
 //!
 //! The library is loaded as an importer loads it. All figures of one run come from the same machine in the same
 //! minute: compare them by their ratio.
 
+mod cvode;
+
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use cvode::Cvode;
 use libloading::Library;
 use physics::declare::Group;
 use physics::model::Model;
@@ -17,6 +20,13 @@ use std::ptr::null;
 
 /// Steps of 1 ms in one measured run.
 const STEPS: u32 = 1000;
+/// Their length, s.
+const H: f64 = 1e-3;
+/// Tolerances of the other integrators.
+const RELATIVE: f64 = 1e-6;
+const ABSOLUTE: f64 = 1e-8;
+/// Their states at the start.
+const START: [f64; STATES] = [0.0, 0.0, 0.0, 298.15, 298.15, 0.0, 0.0, 0.0];
 
 /// The functions that a master needs.
 struct Fmi2 {
@@ -105,6 +115,16 @@ fn volts(reversing: bool) -> Vec<f64> {
     (0..STEPS).map(at).collect()
 }
 
+/// The equations of a communication step with these inputs and their derivatives.
+fn equations<'a>(
+    motor: &'a AnnulusCooledMotor,
+    constants: &'a Constants,
+    [inputs, slopes]: [&'a Inputs; 2],
+) -> Step<'a> {
+    let conductance = motor.parameters.to_ambient(inputs.fan_command);
+    Step::new(&motor.parameters, constants, inputs, slopes, conductance, 0.0)
+}
+
 fn steps(criterion: &mut Criterion) {
     let fmu = Fmi2::load();
     let voltage = reference("voltage");
@@ -139,23 +159,53 @@ fn steps(criterion: &mut Criterion) {
             });
         }
     }
+    let volts = volts(false);
+    let motor = AnnulusCooledMotor::default();
+    let constants = Constants::of(&motor.parameters);
+    let held = Inputs::zero();
     group.bench_function("diffsol BDF, rtol 1e-6, restarted at every step", |b| {
-        let motor = AnnulusCooledMotor::default();
-        let volts = volts(false);
-        let constants = Constants::of(&motor.parameters);
-        let tolerance = Tolerance { relative: 1e-6, absolute: 1e-8 };
+        let tolerance = Tolerance { relative: RELATIVE, absolute: ABSOLUTE };
         b.iter(|| {
-            let mut y: [f64; STATES] = [0.0, 0.0, 0.0, 298.15, 298.15, 0.0, 0.0, 0.0];
+            let mut y = START;
             for &voltage in &volts {
                 let inputs = Inputs { voltage, ..Inputs::default() };
-                let conductance = motor.parameters.to_ambient(inputs.fan_command);
-                let slopes = Inputs::zero();
-                let step = Step::new(&motor.parameters, &constants, &inputs, &slopes, conductance, 0.0);
-                y = integrate(|t, y| step.rates(t, y), &y, &[1e-3], tolerance).expect("a smooth step")[0];
+                let step = equations(&motor, &constants, [&inputs, &held]);
+                y = integrate(|t, y| step.rates(t, y), &y, &[H], tolerance).expect("a smooth step")[0];
             }
             black_box(y)
         });
     });
+    match Cvode::new(&START, RELATIVE, ABSOLUTE) {
+        Err(why) => eprintln!("CVODE is not measured: {why}"),
+        Ok(mut cvode) => {
+            group.bench_function("CVODE BDF, rtol 1e-6, restarted at every step", |b| {
+                b.iter(|| {
+                    let mut y = START;
+                    for &voltage in &volts {
+                        let inputs = Inputs { voltage, ..Inputs::default() };
+                        let step = equations(&motor, &constants, [&inputs, &held]);
+                        cvode.restart(0.0, &y).expect("a state");
+                        y = cvode.advance(H, &mut |t, y| step.rates(t, y)).expect("a smooth step");
+                    }
+                    black_box(y)
+                });
+            });
+            // Its best case: the voltage has no jumps, and the solution goes on over the communication points.
+            group.bench_function("CVODE BDF, rtol 1e-6, linear voltage, no restart", |b| {
+                b.iter(|| {
+                    cvode.restart(0.0, &START).expect("a state");
+                    for (k, pair) in volts.windows(2).enumerate() {
+                        let inputs = Inputs { voltage: pair[0], ..Inputs::default() };
+                        let slopes = Inputs { voltage: (pair[1] - pair[0]) / H, ..held };
+                        let step = equations(&motor, &constants, [&inputs, &slopes]);
+                        let at = H * k as f64;
+                        let y = cvode.advance(at + H, &mut |t, y| step.rates(t - at, y));
+                        black_box(y.expect("a smooth step"));
+                    }
+                });
+            });
+        }
+    }
     group.finish();
 }
 
