@@ -15,6 +15,7 @@ use crate::deadline::Deadline;
 use crate::estimates;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
+use crate::levels::{LEAD, NEARLY};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::search::{Scored, best_memory_term, latent_input_at, search};
@@ -28,17 +29,19 @@ use physics::terms::Port;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Lead in evidence that a latent input needs over the best law of present values to be classed as history-dependent: a fraction
-/// of the residual evidence (linearization errors are some hundredths), and an absolute value.
-const HISTORY: (f64, f64) = (0.03, 30.0);
-/// Largest number of updates of the parameters estimated jointly with a latent input; they stop below this fraction of a deviation.
+/// Lead that a latent input needs over the best law of present values to be classed as history-dependent, as a fraction of its
+/// evidence; at least [`LEAD`]. Tuned: linearization errors are some hundredths.
+const HISTORY: f64 = 0.03;
+/// Largest number of updates of the parameters estimated jointly with a latent input. Numerical: a limit of effort; each is a
+/// Gauss-Newton step.
 const MOVES: usize = 4;
+/// These updates stop below this fraction of a standard deviation. Numerical: a tenth of the half width of a 95 % interval.
 const SETTLED: f64 = 0.2;
-/// A memory term replaces the latent input if it explains at least this fraction of the latent input's evidence.
-const SWITCHED: f64 = 0.9;
 /// Fraction of the time for the search from the plain fit if runs disagree; the disagreement counted as noise hides most effects.
+/// Numerical: matters only for a search that the time limit ends.
 const FIRST: f64 = 0.7;
-/// An unexplained residual is reported from this evidence on.
+/// An unexplained residual is reported from this evidence on. Tuned: structure error of a correct model reaches the limit for very
+/// strong evidence.
 const SAID: f64 = 40.0;
 
 /// Options of the identification loop.
@@ -259,8 +262,7 @@ impl<'a> Search<'a> {
         let free = scored.iter().find(|s| s.is_free())?;
         let (before, after) = (self.first.evidence.cost(), self.point().evidence.cost());
         let explained = before.0 - after.0;
-        let (share, least) = HISTORY;
-        let ahead = |evidence: f64, explained: f64| evidence - explained > least.max(share * evidence.abs());
+        let ahead = |evidence: f64, explained: f64| evidence - explained > LEAD.max(HISTORY * evidence.abs());
         (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1))
             .then(|| switched(scored, free))
     }
@@ -446,7 +448,7 @@ impl<'a> Search<'a> {
 /// Latent inputs at different heat-flow ports explain nearly the same residual. A memory term (latch, switch, intermittent effect) is
 /// specific to its port, so its port is used if it explains nearly as much.
 fn switched<'s>(scored: &'s [Scored], free: &'s Scored) -> &'s Scored {
-    let known = best_memory_term(scored).filter(|known| known.sure() > SWITCHED * free.sure());
+    let known = best_memory_term(scored).filter(|known| known.sure() > NEARLY * free.sure());
     known.and_then(|known| latent_input_at(scored, known.port)).unwrap_or(free)
 }
 

@@ -1,13 +1,9 @@
 //! Comparison of the repaired model with the plain refit and a black box: channels where it is not the best, with the likely reason.
 
 use crate::experiment::Role;
+use crate::levels::{AT_NOISE, STRUCTURE};
 use crate::outcome::{BlackBox, ChannelError, Verdict};
 use crate::report::column_words;
-
-/// Ratio above which two errors count as different.
-const DIFFERENT: f64 = 1.02;
-/// Ratio of error to noise below which no improvement is possible: block means of noise vary by as much.
-const AT_THE_NOISE: f64 = 1.3;
 
 /// Channels in which the refit or the black box predicts the test runs better than the repaired model, in sentences.
 pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> Vec<String> {
@@ -16,10 +12,10 @@ pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> V
     for test in errors.iter().filter(|e| e.role == Role::Test) {
         let (name, unit) = column_words(test.column);
         let with_unit = |x: f64| format!("{} {unit}", digits(x)).trim_end().to_string();
-        if test.after <= AT_THE_NOISE * test.floor {
+        if test.after <= AT_NOISE * test.floor {
             continue;
         }
-        if test.after > DIFFERENT * test.refit {
+        if test.after > (1.0 + STRUCTURE) * test.refit {
             let validated = of(Role::Validate, test.column).is_some_and(|v| v.after < v.refit);
             let reason = if validated {
                 "the validation error of this channel falls, so the test runs contain conditions that neither fit nor validation runs have"
@@ -35,12 +31,12 @@ pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> V
         let Some((other, error)) = boxes.iter().find(|b| b.column == test.column).zip(test.blackbox) else {
             continue;
         };
-        if test.after <= DIFFERENT * error {
+        if test.after <= (1.0 + STRUCTURE) * error {
             continue;
         }
         let fit = of(Role::Fit, test.column).and_then(|f| Some((f.after, f.blackbox?)));
         let reason = match fit {
-            Some((own, box_of_it)) if own > DIFFERENT * box_of_it => format!(
+            Some((own, box_of_it)) if own > (1.0 + STRUCTURE) * box_of_it => format!(
                 "it also follows the fit runs better ({} against {}), so the physical model lacks a path, a node or a dependence that free \
                  parameters can replace{}",
                 with_unit(box_of_it),

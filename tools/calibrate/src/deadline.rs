@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Fraction of the total time between the soft and the hard limit, for work in progress.
+/// Fraction of the total time between the soft and the hard limit, for work in progress. Numerical: a limit of effort.
 const LEFT: f64 = 0.15;
 
 /// The deadline, shared by all parts of a search. The default never passes.

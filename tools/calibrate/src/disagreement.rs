@@ -29,10 +29,14 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Largest number of iterations of (3) and the fit, and the relative change of the standard deviations for convergence.
+/// Largest number of iterations of (3) and the fit. Numerical: a limit of effort; the scale of (4) is chosen afterwards.
 const REPETITIONS: usize = 8;
+/// Relative change of the standard deviations for convergence. Numerical: a few runs determine them to 20 % at best, 1 / sqrt(2 n).
 const AGREES: f64 = 0.05;
-/// Scales of (4) that are compared, in addition to 0.
+/// Relative size of singular values that count as zero. Numerical: rounding of sums over 1e4 readings.
+const ROUNDING: f64 = 1e-12;
+/// Scales of (4) that are compared, in addition to 0. Numerical: the prediction of a few left-out runs determines the scale to a factor
+/// of two at best.
 const SCALES: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 
 /// Residual of one output over runs.
@@ -121,7 +125,7 @@ impl<'a> Setup<'a> {
             // In units of the prior deviations.
             (0..self.declared.len())
                 .for_each(|k| whole[(k, k)] += f64::from(u8::from(!self.declared[k].is_free)));
-            let inverse = whole.pseudo_inverse(1e-12).map_err(|e| CalibrateError(e.to_string()))?;
+            let inverse = whole.pseudo_inverse(ROUNDING).map_err(|e| CalibrateError(e.to_string()))?;
             let left = self.residuals(fitted, runs);
             Ok(left
                 .iter()

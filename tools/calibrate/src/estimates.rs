@@ -7,6 +7,7 @@ use crate::comparison;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
+use crate::levels::{AT_NOISE, STRUCTURE, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::{
     ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Verdict, Whiteness,
@@ -19,16 +20,12 @@ use nalgebra::DMatrix;
 use physics::terms::Port;
 use rayon::prelude::*;
 
-/// Largest number of rows of a run in plots.
+/// Largest number of rows of a run in plots. Definition: of the figures and of `residuals.csv`.
 const PLOTTED: usize = 600;
-/// The final first-order correction of the parameters is applied below this mean square of the whitened residual.
-const TRUSTED: f64 = 1.3;
-/// A model with parameters corrected for drift and input noise is accepted up to this ratio of its sum of squares to that of the fit.
-const NO_WORSE: f64 = 1.02;
-/// Normal distribution: two-sided 95 % quantile, and one-sided 95 % quantile, in standard deviations.
-const SURE: f64 = 1.96;
+/// One-sided 95 % quantile of the standard normal distribution. Definition: 95 % of the distribution are below.
 const BELOW: f64 = 1.645;
-/// Two parameters with at least this correlation are reported as hardly distinguishable.
+/// Two parameters with at least this correlation are reported as hardly distinguishable. Source: O'Brien, Quality & Quantity 41 (2007)
+/// 673-690; the variance inflation 1 / (1 - r^2) is 5.3, rules of thumb are 4 to 10.
 const CORRELATED: f64 = 0.9;
 
 /// The outcome of a search; `first` is the naive fit, linearised.
@@ -257,10 +254,10 @@ fn is_no_worse(exact: &Setup, one: &Hypothesis, other: &Hypothesis) -> Result<bo
         Ok(exact.chi_square(runs, &exact.show(hypothesis, runs)?).0)
     };
     let validated = (of(one, &validation)?, of(other, &validation)?);
-    if !validation.is_empty() && validated.0 <= NO_WORSE * validated.1 {
+    if !validation.is_empty() && validated.0 <= (1.0 + STRUCTURE) * validated.1 {
         return Ok(true);
     }
-    Ok(of(one, &fit)? + validated.0 <= NO_WORSE * (of(other, &fit)? + validated.1))
+    Ok(of(one, &fit)? + validated.0 <= (1.0 + STRUCTURE) * (of(other, &fit)? + validated.1))
 }
 
 /// Every parameter found by linearization, with its interval, and the covariance, estimated jointly with sensor drift and, if given,
@@ -277,7 +274,7 @@ fn estimates(
     let told = point.estimated(beside);
     // Final first-order correction, with sensor drift and without input noise in the sensitivities. It is skipped if the residual is
     // large, since an unmodelled effect would bias it.
-    let steps = beside.is_some() || (corrected.is_some() && told.misfit < TRUSTED);
+    let steps = beside.is_some() || (corrected.is_some() && told.misfit < AT_NOISE);
     let numbers = if steps { told.moved } else { hypothesis.numbers() };
     if let Some(corrected) = corrected {
         corrected.take(&numbers);

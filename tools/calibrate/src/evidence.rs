@@ -14,18 +14,25 @@
 //! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 2.7 and 5.4; Kennedy, O'Hagan, J. R. Stat. Soc. B
 //! 63 (2001) 425-464 (structure error).
 
+use crate::levels::NEGLIGIBLE;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Drifts that are compared: ratio of its standard deviation to that of the noise, and correlation time, s.
+/// Drifts that are compared: ratio of its standard deviation to that of the noise, and correlation time, s. Tuned: thermocouples drift
+/// by up to their noise within an hour.
 const DRIFTS: [(f64, f64); 7] =
     [(0.0, 1.0), (0.1, 2e3), (0.1, 2e4), (0.3, 2e3), (0.3, 2e4), (1.0, 2e3), (1.0, 2e4)];
-/// Smallest size of structure error that is compared, in units of the noise of a block: increases the residual's mean square by 0.01.
-pub const LEAST_SIZE: f64 = 0.1;
-/// Ratio of successive sizes.
+/// Ratio of successive sizes of the structure error, from [`NEGLIGIBLE`] on. Numerical: a parabola refines the best one.
 const APART: f64 = 3.0;
-/// Inverse prior variance of absent components.
+/// Inverse prior variance of absent components. Numerical: they are zero.
 const ABSENT: f64 = 1e30;
-/// Prior sizes of a free shape that are compared: ratio of its variance to the mean estimation variance of the shape.
+/// Prior precision of a parameter without prior. Numerical: negligible, but gives parameters without influence a finite variance.
+const FLAT: f64 = 1e-8;
+/// Relative variance added to the diagonal of a drift's covariance. Numerical: keeps it positive definite.
+const JITTER: f64 = 1e-6;
+/// Part of a column orthogonal to the null model that is rounding, relative to its square. Numerical: 1e4 terms, condition 1e3.
+const ROUNDING: f64 = 1e-9;
+/// Prior sizes of a free shape that are compared: ratio of its variance to the mean estimation variance of the shape. Numerical:
+/// between two of them ln p is lower by at most 0.6 for each coefficient.
 const SIZES: [f64; 5] = [1.0, 3e1, 1e3, 3e4, 1e6];
 
 /// A residual with the columns of the null model.
@@ -105,7 +112,7 @@ impl Evidence {
         // Increase the size while the cost decreases, then take the vertex of the parabola through the last three, over the logarithm.
         let mut sizes: Vec<State> = Vec::new();
         while columns.ncols() > 0 && !rises(&sizes) {
-            let size = sizes.last().map_or(LEAST_SIZE, |s| APART * s.size);
+            let size = sizes.last().map_or(NEGLIGIBLE, |s| APART * s.size);
             sizes.push(other.state(&sums, drift, size)?);
         }
         if let [.., a, b, c] = &sizes[..] {
@@ -173,8 +180,7 @@ impl Evidence {
                 toward[k] = -apart;
                 prior_cost += apart * apart;
             } else {
-                // A negligible prior precision gives parameters without influence a finite variance.
-                l[(k, k)] = 1e-8;
+                l[(k, k)] = FLAT;
             }
         }
         let mut determinant = 0.0;
@@ -183,7 +189,7 @@ impl Evidence {
             let kernel = DMatrix::from_fn(d, d, |a, b| {
                 let ((t, s), (u, v)) = (self.knots[a], self.knots[b]);
                 let near = if s == v { (-(t - u).abs() / length).exp() } else { 0.0 };
-                sd * sd * near + if a == b { 1e-6 * sd * sd } else { 0.0 }
+                sd * sd * near + if a == b { JITTER * sd * sd } else { 0.0 }
             });
             let factor = kernel.cholesky()?;
             determinant += log_determinant(&factor);
@@ -271,8 +277,7 @@ impl Evidence {
     /// Eq. (3). `None` if the columns are collinear with those of the null model.
     pub fn gain(&self, s: &DMatrix<f64>) -> Option<Gain> {
         self.best(s, |power, seen| {
-            // The part of a column orthogonal to the null model must exceed rounding.
-            if (0..power.nrows()).any(|j| power[(j, j)] <= 1e-9 * s.column(j).norm_squared()) {
+            if (0..power.nrows()).any(|j| power[(j, j)] <= ROUNDING * s.column(j).norm_squared()) {
                 return None;
             }
             let factor = power.clone().cholesky()?;
@@ -426,7 +431,7 @@ mod tests {
             (evidence.structure(), evidence.gain(&column.columns(0, 1).into_owned()).unwrap())
         };
         let (size, gain) = found(0.0, 0.0);
-        assert!(size <= LEAST_SIZE && gain.whitened < 10.0, "{size} {gain:?}");
+        assert!(size <= NEGLIGIBLE && gain.whitened < 10.0, "{size} {gain:?}");
         let (size, gain) = found(1.0, 0.0);
         assert!((0.4..3.0).contains(&size) && gain.whitened < 10.0 && gain.raw > 100.0, "{size} {gain:?}");
         let (_, gain) = found(0.0, 5.0);

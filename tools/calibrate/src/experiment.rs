@@ -8,7 +8,7 @@ mod stamp;
 mod table;
 pub mod units;
 
-pub use channel::{CHANNELS, Channel};
+pub use channel::{CELSIUS, CHANNELS, Channel};
 pub use table::Table;
 
 use crate::CalibrateError;

@@ -22,7 +22,8 @@ use physics::terms::Port;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
-/// A step that reduces (1) by less than `decrease` is the last.
+/// Options of a fit near the optimum. Numerical: a step that reduces (1) by less than `decrease` is the last; strong evidence is 60
+/// times as much.
 const OPTIONS: Options = Options {
     damping: 1e-6,
     linearisations: 6,
@@ -33,17 +34,25 @@ const OPTIONS: Options = Options {
     gradient: 1e-9,
 };
 
-/// Options for a start far from the optimum.
+/// Options for a start far from the optimum. Numerical: more iterations, and damping as the linearization is poor.
 const FAR: Options = Options { damping: 1e-2, linearisations: 40, ..OPTIONS };
-/// Options for the final fit from the best start: tight tolerances, since otherwise the result along a direction of nearly constant
-/// cost would depend on the start.
+/// Options for the final fit from the best start. Numerical: otherwise the result along a direction of nearly constant cost would
+/// depend on the start.
 const LAST: Options = Options { damping: 1e-6, linearisations: 12, decrease: 1e-5, ..OPTIONS };
-/// Number of simulated starts and of fitted starts, in addition to the preset; range of the simulated starts as a factor on
-/// ln(1 + relative deviation), and its upper limit.
+/// Number of simulated starts, in addition to the preset. Numerical: starts of a fit.
 const TRIED: usize = 48;
+/// Number of fitted starts, in addition to the preset. Numerical: starts of a fit.
 const STARTS: usize = 2;
+/// Range of the simulated starts as a factor on ln(1 + relative deviation), three standard deviations, and its upper limit. Numerical:
+/// starts of a fit.
 const SPREAD: (f64, f64) = (3.0, 5.0);
-/// Time limit for the simulated starts.
+/// Perturbation of a parameter for its sensitivity, relative to its value or deviation. Numerical: half of the digits remain in the
+/// difference.
+const WAY: f64 = 1e-4;
+/// Changes of a parameter within which its sensitivities are reused: logarithm or relative value, and prior deviations. Numerical: they
+/// are updated if a step with them does not reduce the cost.
+const REUSED: (f64, f64) = (0.05, 0.3);
+/// Time limit for the simulated starts. Numerical: a limit of effort.
 const TRYING: Duration = Duration::from_millis(1500);
 
 /// A fitted hypothesis.
@@ -87,7 +96,7 @@ impl Slopes {
         let mut leads = Vec::new();
         for (d, value) in setup.declared.iter().zip(&hypothesis.declared) {
             leads.push((probes.len(), None));
-            let mut way = 1e-4 * value.abs().max(d.deviation);
+            let mut way = WAY * value.abs().max(d.deviation);
             if value + way > d.limits.1 {
                 way = -way;
             }
@@ -98,7 +107,7 @@ impl Slopes {
             for (n, number) in addition.numbers.iter().enumerate().filter(|(_, n)| n.sloped) {
                 if let Shape::Listed { slots, with, .. } = &addition.shape {
                     leads.push((probes.len(), Some((a, n))));
-                    let mut way = 1e-4 * number.value.abs().max(number.scale);
+                    let mut way = WAY * number.value.abs().max(number.scale);
                     if number.value + way > number.limits.1 {
                         way = -way;
                     }
@@ -271,6 +280,7 @@ impl Setup<'_> {
 
     /// The best starts of a low-discrepancy sample of the wide priors (Halton's sequence, Numer. Math. 2 (1960) 84-90).
     fn starts(&self, runs: &[usize]) -> Vec<Hypothesis> {
+        /// Bases of the sequence, one for each parameter. Definition: the first prime numbers.
         const PRIMES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
         let (begun, mut found) = (Instant::now(), Vec::new());
         for n in 1..=TRIED {
@@ -320,7 +330,7 @@ struct Scale {
 }
 
 impl Scale {
-    /// Smallest argument of the logarithm.
+    /// Smallest argument of the logarithm. Numerical: rounding of a value of the order of its scale.
     const LEAST: f64 = 1e-12;
 
     fn variable(&self, number: f64) -> f64 {
@@ -438,15 +448,15 @@ impl Problem for Fit<'_> {
         self.setup.deadline().is_near()
     }
 
-    /// Whether the sensitivities at `from` are still valid: within 0.3 prior deviation, 5 % for logarithms and parameters without prior.
+    /// Whether the sensitivities at `from` are still valid: see [`REUSED`].
     fn is_near(&self, from: &DVector<f64>, x: &DVector<f64>) -> bool {
         self.scales.iter().enumerate().all(|(k, scale)| {
             let near = if scale.is_log {
-                0.05
+                REUSED.0
             } else if scale.prior.is_some() {
-                0.3
+                REUSED.1
             } else {
-                0.05 * from[k].abs().max(1.0)
+                REUSED.0 * from[k].abs().max(1.0)
             };
             (x[k] - from[k]).abs() <= near
         })

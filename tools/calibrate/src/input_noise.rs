@@ -3,12 +3,10 @@
 use crate::CalibrateError;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::Hypothesis;
+use crate::levels::NEGLIGIBLE;
 use crate::setup::Setup;
 use crate::tangent::Probe;
 use std::sync::Arc;
-
-/// Autocorrelated noise counts from this fraction of the output's own noise on.
-const REMEMBERED: f64 = 0.1;
 
 impl Setup<'_> {
     /// Adds the noise that inputs cause within a row to the noise of each output, finds the inputs whose noise is autocorrelated at an
@@ -21,7 +19,7 @@ impl Setup<'_> {
         let slopes = self.input_sensitivities(&fitted.hypothesis, runs)?;
         let slow = |input: &usize| {
             let (direct, whole) = self.variances(&slopes, |k| k == *input);
-            (0..m).any(|k| whole[k] - direct[k] > (REMEMBERED * self.sigma(k)).powi(2))
+            (0..m).any(|k| whole[k] - direct[k] > (NEGLIGIBLE * self.sigma(k)).powi(2))
         };
         let remembered = (0..inputs).filter(slow).collect();
         let (direct, _) = self.variances(&slopes, |_| true);

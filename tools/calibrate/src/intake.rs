@@ -15,9 +15,10 @@ mod signals;
 
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Channel, Experiment, Role, Run, Start};
+use crate::experiment::{CELSIUS, Channel, Experiment, Role, Run, Start};
 use crate::fit::is_wide;
 use crate::hypothesis::Hypothesis;
+use crate::levels::{SAMPLES, STRUCTURE};
 use crate::overrides::Override;
 use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
@@ -26,15 +27,19 @@ use physics::model::Declaration;
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Fewest rows of a run that can be fitted: the noise of a channel is estimated from the second differences of at least five.
+/// Fewest rows of a run that can be fitted. Derivation: five rows have three second differences, the fewest with a median.
 const LEAST_ROWS: usize = 5;
 /// If more than this fraction of an input's readings is outside the limits of its variable, its unit is wrong; otherwise only these
-/// readings.
+/// readings. Definition: the majority.
 const WRONG_UNIT: f64 = 0.5;
-/// Greatest error of a working temperature sensor, K: two thermocouples of class 2 (2.5 K each, IEC 60584-1) with cold junctions
-/// (2 K each) differ by up to 9 K.
+/// Greatest difference of two working temperature sensors, K. Limit: two thermocouples of class 2 (2.5 K each, IEC 60584-1) with cold
+/// junctions (2 K each) differ by up to 9 K.
 const FAR: f64 = 10.0;
-/// Time limit for one simulation of all runs: contradictory data can drive the model into states that require tiny steps.
+/// Fraction of the range of an input by which readings may be outside, such as those of a fan at rest. Tuned: noise stays inside, a
+/// wrong unit does not.
+const SLACK: f64 = 0.05;
+/// Time limit for one simulation of all runs: contradictory data can drive the model into states that require tiny steps. Numerical: a
+/// simulation takes some milliseconds.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Reason why the data cannot be used.
@@ -140,7 +145,7 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
         for run in &mut experiment.runs {
             let column = &mut run.table.columns[k];
             // Noise about a limit, such as that of a fan at rest, is tolerated.
-            let slack = 0.05 * (most - least);
+            let slack = SLACK * (most - least);
             let beyond = |x: &f64| *x < least - slack || *x > most + slack;
             let there = column.iter().filter(|x| x.is_finite()).count();
             let count = column.iter().filter(|x| beyond(x)).count();
@@ -238,6 +243,7 @@ fn deviations(
 
 /// Run declared to start at ambient temperature although every node deviates from it by more than any sensor error.
 fn start_elsewhere(experiment: &Experiment) -> Option<Unusable> {
+    /// Number of first readings. Derivation: the median of three tolerates one outlier.
     const FIRST: usize = 3;
     let inputs = experiment.inputs.len();
     let column = experiment.inputs.iter().find(|c| c.input == Some("ambient_temperature"))?.column;
@@ -260,7 +266,7 @@ fn start_elsewhere(experiment: &Experiment) -> Option<Unusable> {
                 reason: format!(
                     "the first readings in {} differ from {column} ({:.1} degC): {}; a run starts at the ambient temperature",
                     run.file,
-                    zero - 273.15,
+                    zero - CELSIUS,
                     words.join(", ")
                 ),
                 suggestion: format!(
@@ -317,8 +323,8 @@ fn structured<'a>(
     for k in 0..experiment.outputs.len() {
         let (square, count) = mean_square(experiment, runs, k);
         let count = count as f64;
-        let samples = (consistency::SAMPLES * runs.len() as f64).min(count.max(1.0));
-        let structure = consistency::STRUCTURE * (square * count / samples).sqrt();
+        let samples = (SAMPLES * runs.len() as f64).min(count.max(1.0));
+        let structure = STRUCTURE * (square * count / samples).sqrt();
         setup.noise[inputs + k] = setup.noise[inputs + k].hypot(structure);
     }
     Ok(setup)

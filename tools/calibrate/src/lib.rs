@@ -8,6 +8,7 @@
 //! | [`intake`] | sets aside failed sensors and rejects data that contradict the model |
 //! | [`noise`] | estimates the noise of each channel |
 //! | [`simulate`], [`overrides`], [`initial`] | native model over a run, parameter overrides, initial states |
+//! | `levels` | significance levels, limits of evidence, relative tolerances: why each number has its value |
 //! | [`hypothesis`], [`catalogue`] | candidate model: parameters, listed effects, unlisted terms |
 //! | [`setup`] | prepared experiment; residuals by row and by block |
 //! | [`fit`] | parameter estimation of a hypothesis with bounds and priors |
@@ -38,6 +39,7 @@ pub mod hypothesis;
 pub mod initial;
 mod input_noise;
 pub mod intake;
+mod levels;
 pub mod linearization;
 pub mod noise;
 pub mod outcome;

@@ -6,6 +6,7 @@ use crate::evidence::Evidence;
 use crate::experiment::Channel;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::{Addition, Shape, hat};
+use crate::levels::{CALIBRATED, CERTAIN};
 use crate::search::{latent_input, structure};
 use crate::setup::{Setup, Shown};
 use crate::tangent::{Direction, Probe};
@@ -13,13 +14,12 @@ use nalgebra::{DMatrix, DVector};
 use physics::terms::{Driver, Drivers, Port};
 use rayon::prelude::*;
 
-/// Standard deviation of a sensor's zero offset, relative to its noise.
-const ZERO: f64 = 0.5;
-/// The sign of a current or speed is unknown within this many standard deviations of zero.
-const HIDDEN: f64 = 4.0;
-/// Shortest distance between the knots of a sensor's drift, s.
+/// Shortest distance between the knots of a sensor's drift, s. Derivation: about half of the shortest correlation time of a drift, 2000
+/// s.
 const KNOT: f64 = 900.0;
-/// Greatest number of such knots over all runs.
+/// Perturbation of a listed effect as a fraction of its nominal size. Numerical: half of the digits remain in the difference.
+const WAY: f64 = 1e-3;
+/// Greatest number of such knots over all runs. Numerical: longer experiments resolve slower drifts only.
 const MOST_KNOTS: usize = 24;
 
 /// Error message if the parameters cannot be estimated.
@@ -121,7 +121,7 @@ impl<'a> Linearization<'a> {
         further.extend((0..inputs).map(Probe::Input));
         for (_, addition) in &listed {
             let Shape::Listed { slots, with, .. } = &addition.shape else { continue };
-            let way = 1e-3 * addition.numbers[0].scale;
+            let way = WAY * addition.numbers[0].scale;
             further.push(Probe::Parameter { slot: slots[0], with: with.clone(), way });
         }
         let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
@@ -229,7 +229,7 @@ impl<'a> Linearization<'a> {
     /// motor insensitive to its inputs.
     pub fn hidden(&self, driver: Option<Driver>) -> impl Fn(&Drivers) -> bool {
         let driver = driver.filter(|d| matches!(d, Driver::Current | Driver::Speed));
-        let least = driver.and_then(|d| Some((d, HIDDEN * self.setup.noise_of(Channel::reading(d)?)?)));
+        let least = driver.and_then(|d| Some((d, CERTAIN * self.setup.noise_of(Channel::reading(d)?)?)));
         move |drivers| least.is_some_and(|(driver, least)| drivers.of(driver).abs() < least)
     }
 
@@ -400,7 +400,7 @@ fn evidence(
         all.clone().nth(*k).is_some_and(|c| !c.is_temperature()) && setup.noise[*k] > 0.0
     });
     for channel in zeros {
-        let size = ZERO * setup.noise[channel];
+        let size = CALIBRATED * setup.noise[channel];
         let column = gather(&|r| {
             if channel < inputs {
                 let direction = slopes.further(r, further)[before_inputs + channel].as_ref()?;

@@ -14,25 +14,37 @@
 //! distribution its standard deviation. (3): Widrow, IRE Transactions on Circuit Theory 3 (1956) 266-276.
 
 use crate::experiment::Experiment;
+use crate::levels::STRUCTURE;
 
-/// Lower limit of the noise, as a fraction of the channel's span.
+/// Lower limit of the noise, as a fraction of the channel's span. Numerical: accuracy of a simulation.
 const LEAST: f64 = 1e-5;
 
-/// Fraction of the readings that a slower sensor holds for the same number of rows.
+/// Fraction of the readings that a slower sensor holds for the same number of rows. Tuned: a command does not repeat its values so
+/// regularly.
 const REGULAR: f64 = 0.8;
-/// Most rows for which a slower sensor holds a reading: longer plateaus are commanded.
+/// Most rows for which a slower sensor holds a reading. Tuned: longer plateaus are commanded.
 const LONGEST: usize = 20;
-/// Fewest changes between rows for estimating a quantization step: fewer are plateaus.
+/// Fewest changes between rows for estimating a quantization step. Tuned: fewer are plateaus.
 const MOVES: usize = 20;
-/// Quantile of the changes, in ascending order, at which the step is read: for continuous noise it is nearly zero, for quantised noise it
-/// is the step itself.
+/// Quantile of the changes at which the step is read. Numerical: for quantised noise all low quantiles are the step itself, for
+/// continuous noise they are nearly zero.
 const FIRST: f64 = 0.02;
-/// Tolerance of a change as a multiple of the step, and fraction of the changes that must meet it.
-const ON_STEPS: (f64, f64) = (0.02, 0.95);
-/// A channel with fewer steps in its span is commanded (a fan on and off, a staircase of speeds) and therefore exact.
-const STEPS: f64 = 50.0;
-/// Coarsest thermometer, K: a temperature is never commanded, so few steps are sufficient.
+/// Tolerance of a change as a multiple of the step. Numerical: rounding of the readings in a file.
+const ON_STEP: f64 = 0.02;
+/// Fraction of the changes that are multiples of the step. Tuned: spikes of the sensor are not.
+const ON_STEPS: f64 = 0.95;
+/// A channel with fewer steps in its span is commanded (a fan on and off, a staircase of speeds) and therefore exact. Derivation: a
+/// coarser sensor could not resolve the structure error of the model.
+const STEPS: f64 = 1.0 / STRUCTURE;
+/// Coarsest thermometer, K. Limit: displays resolve at least 1 K; a temperature is never commanded, so few steps are sufficient.
 const COARSEST: f64 = 1.0;
+/// Standard deviation of a normal distribution relative to the median of its magnitude. Definition: 1 / 0.67449, with the upper
+/// quartile.
+const NORMAL: f64 = 1.4826;
+/// Rounding of a reading, relative to it. Numerical: 16 digits.
+const ROUNDING: f64 = 1e-12;
+/// Least reading for rounding, in SI units. Numerical: a smaller one is zero.
+const ZERO: f64 = 1e-3;
 
 /// Quantization step of a quantity; `None` if it is continuous, nearly constant, or commanded. The decimals of a file also form a step,
 /// however small.
@@ -41,17 +53,17 @@ fn step<'a>(columns: impl Iterator<Item = &'a [f64]>, is_temperature: bool) -> O
     for column in columns {
         let known: Vec<f64> = column.iter().copied().filter(|v| v.is_finite()).collect();
         (least, most) = known.iter().fold((least, most), |(a, b), v| (a.min(*v), b.max(*v)));
-        let sizes = known.windows(2).map(|pair| ((pair[1] - pair[0]).abs(), pair[0].abs().max(1e-3)));
+        let sizes = known.windows(2).map(|pair| ((pair[1] - pair[0]).abs(), pair[0].abs().max(ZERO)));
         // Rounding errors of equal readings are not changes.
-        moves.extend(sizes.filter(|(size, of)| *size > 1e-12 * of).map(|(size, _)| size));
+        moves.extend(sizes.filter(|(size, of)| *size > ROUNDING * of).map(|(size, _)| size));
     }
     if moves.len() < MOVES {
         return None;
     }
     moves.sort_by(f64::total_cmp);
     let step = moves[(FIRST * moves.len() as f64) as usize];
-    let on = |size: &&f64| (*size / step - (*size / step).round()).abs() <= ON_STEPS.0;
-    let all = moves.iter().filter(on).count() as f64 >= ON_STEPS.1 * moves.len() as f64;
+    let on = |size: &&f64| (*size / step - (*size / step).round()).abs() <= ON_STEP;
+    let all = moves.iter().filter(on).count() as f64 >= ON_STEPS * moves.len() as f64;
     let measured = most - least >= STEPS * step || (is_temperature && step <= COARSEST);
     (all && measured).then_some(step)
 }
@@ -98,7 +110,7 @@ fn of_readings(known: &[(f64, f64)]) -> Option<f64> {
         return None;
     }
     sizes.sort_by(f64::total_cmp);
-    Some(1.4826 * sizes[sizes.len() / 2])
+    Some(NORMAL * sizes[sizes.len() / 2])
 }
 
 /// Standard deviations of all channels, inputs first, in SI units: as stated in the experiment, otherwise the median over its runs;
@@ -118,7 +130,7 @@ pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
             all.sort_by(f64::total_cmp);
             let values = || tables().flat_map(|t| t.columns[n].iter().copied()).filter(|v| v.is_finite());
             let span = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
-            let least = if span.is_finite() { (LEAST * span).max(1e-12) } else { 1.0 };
+            let least = if span.is_finite() { (LEAST * span).max(ROUNDING) } else { 1.0 };
             all.get(all.len() / 2).copied().unwrap_or(least).max(least).max(quantised)
         })
         .collect()

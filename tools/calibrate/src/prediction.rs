@@ -12,11 +12,9 @@
 
 use crate::fit::Slopes;
 use crate::hypothesis::Hypothesis;
+use crate::levels::SURE;
 use crate::setup::{Setup, Shown};
 use nalgebra::DMatrix;
-
-/// 97.5 % quantile of the standard normal distribution.
-const SURE: f64 = 1.96;
 
 /// First two terms of (1) at every row of a run, rows times outputs; `r` is the index among the linearised runs, the covariance is in the
 /// parameters' units.

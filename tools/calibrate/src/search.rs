@@ -22,6 +22,7 @@ use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Gain;
 use crate::experiment::Channel;
 use crate::hypothesis::{Addition, Number, Shape, hat, power};
+use crate::levels::{NEARLY, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use memory_terms::{FREE, histories, latent_inputs};
@@ -31,18 +32,34 @@ use physics::terms::{Driver, Drivers, Factor, Port};
 use rayon::prelude::*;
 pub use structure::structure;
 
-/// Knots of a smooth function of a driver.
+/// Knots of a smooth function of a driver. Numerical: its prior correlates neighbouring knots by 0.85, exp(-1/6).
 const KNOTS: usize = 7;
-/// Times per run at which a step change is tried before refining near the best one.
+/// Times per run at which a step change is tried. Numerical: every row near the best one follows.
 const TIMES: usize = 60;
-/// A driver whose variation is less than this fraction of its size cannot determine a shape.
+/// A driver whose variation is less than this fraction of its size cannot determine a shape. Numerical: excludes constant drivers.
 const STILL: f64 = 0.01;
-/// A conductance is preferred if it explains at least this fraction of what a heat at the housing explains.
-const LEAVES: f64 = 0.9;
-/// Number of best shapes for which power laws are tried.
+/// Number of best shapes for which power laws are tried. Numerical: a power law is also a smooth shape, so those of further shapes
+/// explain less.
 const LIKELY: usize = 16;
-/// Exponents that are tried.
+/// Size of a temperature driver, K, relative to which its variation counts. Numerical: as for `STILL`.
+const TEMPERATURES: f64 = 20.0;
+/// Least distance of two knots as a fraction of the span. Numerical: the hat functions of closer knots are nearly collinear.
+const KNOT_APART: f64 = 0.02;
+/// Least reference value of a driver, in its unit. Numerical: avoids a division by zero.
+const LEAST_REFERENCE: f64 = 1e-9;
+/// Limits of an exponent. Limit: losses and drops of motors grow with powers from 0.5 (brush drop) to 3 (windage); beyond these limits
+/// a power is a step.
+const EXPONENT_LIMITS: (f64, f64) = (0.1, 5.0);
+/// Unit of an exponent in the fit. Numerical: scale of a variable.
+const EXPONENT_SCALE: f64 = 0.05;
+/// Exponents that are tried. Numerical: the fit determines the exponent.
 const EXPONENTS: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
+/// Time constants of a sensor, s, that are tried. Numerical: starts of a fit.
+const LAGS: [f64; 3] = [10.0, 30.0, 90.0];
+/// Capacity and resistance of a new node that are tried, as fractions of those of housing and winding. Numerical: starts of a fit.
+const NODES: [(f64, f64); 4] = [(0.15, 0.5), (0.15, 1.5), (0.4, 0.5), (0.4, 1.5)];
+/// Least size of an effect relative to its trial. Numerical: for a smaller one the trial is no linearization.
+const LEAST_TRIAL: f64 = 0.1;
 
 /// Candidate for a missing effect, with its evidence.
 #[derive(Clone, Debug)]
@@ -98,7 +115,7 @@ fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
     let (least, most) = (values[0], values[values.len() - 1]);
     let span = most - least;
     let size = match driver {
-        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => 20.0,
+        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => TEMPERATURES,
         _ => most.abs().max(least.abs()),
     };
     if span.is_nan() || span <= STILL * size {
@@ -110,7 +127,7 @@ fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
         // Half by rows, half by span: knots where data is dense, without coincident knots.
         let by_rows = values[((values.len() - 1) as f64 * share) as usize];
         let x = 0.5 * by_rows + 0.5 * (least + span * share);
-        if all.last().is_none_or(|last| x - last > 0.02 * span) {
+        if all.last().is_none_or(|last| x - last > KNOT_APART * span) {
             all.push(x);
         }
     }
@@ -131,7 +148,7 @@ fn scale(point: &Linearization, driver: Driver) -> Factor {
         _ => 0.0,
     };
     let most = point.drivers().map(|d| (d.of(driver) - offset).abs()).fold(0.0, f64::max);
-    Factor { driver, offset, reference: most.max(1e-9), exponent: 1.0 }
+    Factor { driver, offset, reference: most.max(LEAST_REFERENCE), exponent: 1.0 }
 }
 
 /// Whether the driver is measured: a load that is imposed, a temperature of a node that has a sensor.
@@ -189,7 +206,7 @@ fn leave_to_the_air(all: &mut Vec<Scored>) {
     let shape = |s: &Scored| (s.follows, s.shape.len());
     let air = all.iter().filter(|s| law(s, Port::HousingAmbientConductance));
     let air: Vec<_> = air.map(|s| (shape(s), s.sure())).collect();
-    let as_well = |s: &Scored| air.iter().any(|(own, sure)| *own == shape(s) && *sure > LEAVES * s.sure());
+    let as_well = |s: &Scored| air.iter().any(|(own, sure)| *own == shape(s) && *sure > NEARLY * s.sure());
     all.retain(|s| !(law(s, Port::HousingHeat) && s.falls() && as_well(s)));
 }
 
@@ -288,8 +305,11 @@ fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain
         time.iter().filter(|t| (*t - about).abs() <= reach).copied().collect::<Vec<f64>>()
     };
     let mut fine = best(point.runs.iter().flat_map(near).collect());
-    let likely: Vec<f64> =
-        fine.iter().filter(|(_, g)| fine[0].1.whitened - g.whitened < 3.84).map(|(at, _)| *at).collect();
+    let likely: Vec<f64> = fine
+        .iter()
+        .filter(|(_, g)| fine[0].1.whitened - g.whitened < SURE * SURE)
+        .map(|(at, _)| *at)
+        .collect();
     let (at, gain) = if fine.is_empty() { coarse.into_iter().next()? } else { fine.swap_remove(0) };
     addition.numbers[0].value = gain.size[0];
     addition.numbers[1].value = at;
@@ -312,14 +332,11 @@ fn store(point: &Linearization, addition: Addition) -> Option<(Addition, Gain)> 
         )
     };
     let trials: Vec<Vec<f64>> = match addition.numbers.len() {
-        1 => [10.0, 30.0, 90.0].iter().map(|tau| vec![*tau]).collect(),
+        1 => LAGS.iter().map(|tau| vec![*tau]).collect(),
         _ => {
             // Fractions of the capacity and resistance on either side of the new node.
             let (capacity, resistance) = (of("thermal.C_h")?, of("thermal.R_wh")?);
-            [(0.15, 0.5), (0.15, 1.5), (0.4, 0.5), (0.4, 1.5)]
-                .iter()
-                .map(|(c, r)| vec![c * capacity, r * resistance])
-                .collect()
+            NODES.iter().map(|(c, r)| vec![c * capacity, r * resistance]).collect()
         }
     };
     let tried: Vec<(Addition, Gain)> = trials
@@ -329,7 +346,7 @@ fn store(point: &Linearization, addition: Addition) -> Option<(Addition, Gain)> 
             trial.numbers.iter_mut().zip(values).for_each(|(n, v)| n.value = *v);
             let gain = point.evidence.gain(&point.simulated_column(&trial)?)?;
             // The estimated size is relative to the trial.
-            (gain.size[0] > 0.1).then_some((trial, gain))
+            (gain.size[0] > LEAST_TRIAL).then_some((trial, gain))
         })
         .collect();
     tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))
@@ -417,7 +434,7 @@ fn powers(point: &Linearization, port: Port, driver: Driver, per_number: f64) ->
                 port.unit().name(),
                 spread,
             ),
-            number("exponent", exponent, (0.1, 5.0), "1", 0.05),
+            number("exponent", exponent, EXPONENT_LIMITS, "1", EXPONENT_SCALE),
         ],
         active: vec![true; point.setup.experiment.runs.len()],
         late: None,

@@ -11,6 +11,7 @@ mod gate;
 
 use crate::CalibrateError;
 use crate::hypothesis::{Addition, Hypothesis};
+use crate::levels::{DECISIVE, LEAD, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
 use crate::search::{Scored, choice};
@@ -20,25 +21,26 @@ pub use gate::{acting, predicts_where_it_acts};
 use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 
-/// Reduction of the cost required for a term: very strong evidence. *Source*: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
+/// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
 /// 3.2.
 pub const LEAST: f64 = 10.0;
-/// Reduction of the cost by which a candidate with greater validation error is still tried in combination with another.
-const PROMISING: f64 = 100.0;
-/// Costs that differ by less cannot be distinguished; a lower validation cost must differ by as much: strong evidence. *Source*: as above.
+/// Costs that differ by less cannot be distinguished; a lower validation cost must differ by as much: strong evidence. Source: as for
+/// [`LEAST`].
 pub const NEAR: f64 = 6.0;
-/// Numbers of candidates: effects of the list, power laws, shapes, laws with a lag.
+/// Numbers of candidates: effects of the list, power laws, shapes, laws with a lag. Numerical: a limit of effort; the others explain
+/// less to first order.
 const CANDIDATES: [usize; 4] = [4, 2, 2, 2];
-/// Numbers of additional candidates, ranked by the other measure.
+/// Numbers of additional candidates, ranked by the other measure. Numerical: as for [`CANDIDATES`].
 const FURTHER: [usize; 4] = [3, 1, 1, 1];
-/// A candidate with its own heat capacity takes ten times as long to simulate; it is fitted only if its evidence is at least this fraction
-/// of the best.
+/// A candidate with its own heat capacity takes ten times as long to simulate; it is fitted only if its evidence is at least this
+/// fraction of the best. Numerical: a limit of effort.
 const STORED: f64 = 0.2;
-/// Laws whose costs differ by less than this (absolute or relative, the greater one applies) are selected by validation error.
-const PREDICTING: (f64, f64) = (30.0, 0.02);
-/// A table must have a validation error smaller than that of a power law by this factor.
+/// Fraction of the best evidence below which a candidate is fitted only if it is the best of its kind. Numerical: a limit of effort.
+const BEHIND: f64 = 0.3;
+/// A table must have a validation error smaller than that of a power law by this factor. Tuned: a power law extrapolates.
 const CLEARLY: f64 = 1.05;
-/// A law predicts far better if its validation error is below this fraction of that of the listed effect.
+/// A law predicts far better if its validation error is below this fraction of that of the listed effect. Tuned: half of the mean
+/// square.
 const AHEAD: f64 = 0.7;
 
 /// Fitted candidate.
@@ -94,7 +96,7 @@ impl<'a> Round<'a> {
         let predicts_worse = |c: &Candidate| c.validation.is_some_and(|ratio| ratio >= 1.0);
         let first = self.candidates.iter().position(|c| at_limit(c.addition()).is_none())?;
         let best = &self.candidates[first];
-        (self.taken.is_none() && predicts_worse(best) && best.sure() > PROMISING).then_some(first)
+        (self.taken.is_none() && predicts_worse(best) && best.sure() > DECISIVE).then_some(first)
     }
 
     /// The same round with a candidate accepted although it fails an acceptance test, with the reason.
@@ -191,7 +193,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     let best = first.map_or(0.0, Candidate::sure);
     let is_late = |c: &Candidate| c.addition().late.is_some();
     let is_best_late = first.is_some_and(is_late);
-    let near = if is_best_late { LEAST.max(best * PREDICTING.1) } else { LEAST };
+    let near = if is_best_late { LEAST.max(best * STRUCTURE) } else { LEAST };
     let stands = |c: &Candidate| {
         let is_simple = c.addition().is_listed() || (is_best_late && !is_late(c));
         is_simple && best - c.sure() < near
@@ -286,7 +288,7 @@ fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize
     let mut best = k;
     for other in 0..candidates.len() {
         let apart = candidates[k].sure() - candidates[other].sure();
-        let near = apart.abs() <= PREDICTING.0.max(PREDICTING.1 * candidates[k].sure().abs());
+        let near = apart.abs() <= LEAD.max(STRUCTURE * candidates[k].sure().abs());
         let same = place(&candidates[other]) == place(&candidates[k]);
         let own = &candidates[other];
         if other == k || !same || !near || own.refused.is_some() || own.addition().is_listed() {
@@ -333,7 +335,7 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
             let names = chosen.iter().filter(|c| c.name == candidate.name).count();
             // An effect may act in other runs than first estimated, so two variants are allowed.
             let twice = names > usize::from(k == 0 && candidate.name.ends_with("some runs"));
-            let far = (worth(candidate) < 0.3 * best && taken[k] >= 1)
+            let far = (worth(candidate) < BEHIND * best && taken[k] >= 1)
                 || (addition.is_store() && candidate.sure() < STORED * surest);
             if taken[k] < quota[k] && !far {
                 taken[k] += 1;

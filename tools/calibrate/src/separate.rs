@@ -10,9 +10,9 @@ use crate::setup::Setup;
 use crate::simulate::Drive;
 use physics::model::{Model, Slot};
 
-/// Rows of a proposed run, and their interval, s.
+/// Rows of a proposed run, and their interval, s. Definition: half an hour in steps of a logger.
 const ROWS: (usize, f64) = (180, 10.0);
-/// Fractions of an input's greatest value at which it is held.
+/// Fractions of an input's greatest value at which it is held. Definition: rest, half and full load.
 const LEVELS: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Output that would differ.
@@ -24,8 +24,10 @@ struct Reading {
     is_temperature: bool,
 }
 
-/// An experiment must distinguish better by this factor than a gentler one, which comes first; otherwise rounding would decide between
-/// equal ones.
+/// Difference of two outputs that is not rounding, in SI units. Numerical: accuracy of the integration.
+const LEAST: f64 = 1e-9;
+/// An experiment must distinguish better by this factor than a gentler one, which comes first. Numerical: otherwise rounding would
+/// decide between equal ones.
 const CLEARER: f64 = 1.01;
 
 /// Difference between the predictions.
@@ -153,10 +155,10 @@ fn compare(
             if reading.is_temperature { span } else { a[k].iter().fold(0.0f64, |m, x| m.max(x.abs())) };
         let levels = match reading.noise {
             Some(noise) => apart.abs() / noise,
-            None => 100.0 * apart.abs() / size.max(1e-12),
+            None => 100.0 * apart.abs() / size.max(LEAST),
         };
         // An output that is nearly constant cannot distinguish models by hundredths of its value.
-        (levels.is_finite() && apart.abs() > 1e-9).then(|| Difference {
+        (levels.is_finite() && apart.abs() > LEAST).then(|| Difference {
             sentence: format!(
                 "{what}, {} would differ by {:.3} ({:.0} {}) after {:.0} s",
                 reading.name,

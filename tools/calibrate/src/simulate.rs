@@ -7,6 +7,7 @@ use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role, Run, Start};
 use crate::initial;
+use crate::levels::CERTAIN;
 use crate::overrides::Override;
 use physics::model::{Declaration, Model, ModelType, Slot};
 
@@ -39,20 +40,18 @@ pub struct Drive {
     warm: Vec<(&'static str, usize, f64)>,
 }
 
-/// Rows on either side over which an input is smoothed.
+/// Rows on either side over which an input is smoothed. Numerical: the mean of 13 readings has a quarter of their noise.
 const REACH: usize = 6;
-/// Readings that differ by less than this many standard deviations of the noise are averaged.
-const ALIKE: f64 = 4.0;
-/// Rows on either side for the second average.
+/// Rows on either side for the second average. Numerical: the mean of 97 readings has a tenth of their noise.
 const FAR: usize = 48;
-/// Tolerance between a sensor's indicated initial temperature and its first reading, K.
+/// Tolerance between a sensor's indicated initial temperature and its first reading, K. Numerical: no thermometer resolves it.
 const SHOWN: f64 = 1e-9;
 /// Parameters with limits that end a run; the lowest temperature is a lower limit.
 const VALIDITY: &str = "validity.";
 const LOWEST: &str = "validity.lowest_temperature";
-/// Rows between checks of the deadline.
+/// Rows between checks of the deadline. Numerical: a check costs less than a row.
 const ROWS_A_LOOK: usize = 16;
-/// Iteration limit for the initial temperatures.
+/// Iteration limit for the initial temperatures. Numerical: with a stem loss of one half, 50 iterations leave 1e-15 of the error.
 const TRIES: usize = 50;
 
 impl Bench {
@@ -352,9 +351,9 @@ impl Drive {
     /// averaged again over a longer window; otherwise noise would dominate at standstill.
     pub fn smoothed(&self, noise: &[f64]) -> Drive {
         let smooth = |(column, sigma): (&Vec<f64>, &f64)| -> Vec<f64> {
-            let once = means_of_alike(column, REACH, ALIKE * sigma);
+            let once = means_of_alike(column, REACH, CERTAIN * sigma);
             let left = sigma / ((2 * REACH + 1) as f64).sqrt();
-            means_of_alike(&once, FAR, ALIKE * left)
+            means_of_alike(&once, FAR, CERTAIN * left)
         };
         Drive { inputs: self.inputs.iter().zip(noise).map(smooth).collect(), ..self.clone() }
     }

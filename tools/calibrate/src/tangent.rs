@@ -16,9 +16,14 @@ use nalgebra::DMatrix;
 use physics::model::{Model, Slot};
 use physics::terms::{Drivers, GenericTerm, Law, Port, Product};
 
-/// Relative perturbation of the states for the finite differences.
+/// Relative perturbation of the states for the finite differences. Numerical: half of the digits remain in the difference.
 const WAY: f64 = 1e-5;
-/// Logarithm of the growth of a state within a row above which the linearization is meaningless: all digits of a number, ln 2^52.
+/// Relative difference of two matrices F below which (2) is not computed again. Numerical: error of the response.
+const SAME: f64 = 1e-4;
+/// Perturbations at a port, in its unit, and of an input, relative to its greatest value. Numerical: as for [`WAY`].
+const AT_PORT: (f64, f64) = (1e-3, 1e-4);
+/// Logarithm of the growth of a state within a row above which the linearization is meaningless. Derivation: all digits of a number, ln
+/// 2^52.
 const GROWN: f64 = 36.0;
 
 /// Perturbed quantity.
@@ -267,7 +272,7 @@ fn passes(time: &[f64], slopes: &[DMatrix<f64>]) -> Vec<f64> {
 }
 
 fn close(a: &DMatrix<f64>, b: &DMatrix<f64>) -> bool {
-    a.iter().zip(b.iter()).all(|(a, b)| (a - b).abs() <= 1e-4 * a.abs())
+    a.iter().zip(b.iter()).all(|(a, b)| (a - b).abs() <= SAME * a.abs())
 }
 
 /// exp(F h), h (phi1 - phi2)(F h) and h phi2(F h), from one exponential of [[F, 1, 0], [0, 0, 1], [0, 0, 0]] h.
@@ -317,11 +322,11 @@ impl Moved {
                 aside.values.push((*slot, from + way));
             }
             Probe::Port(port) => {
-                way = 1e-3;
+                way = AT_PORT.0;
                 let law = Law::Product(Product { coefficient: way, factors: [None; 3] });
                 aside.terms.push(GenericTerm::new(*port, law));
             }
-            Probe::Input(k) => way = 1e-4 * drive.scale(*k),
+            Probe::Input(k) => way = AT_PORT.1 * drive.scale(*k),
         }
         let model = match probe {
             Probe::Input(k) => bench.begin(&drive.with_input_moved(*k, way), &aside).ok()?,

@@ -17,6 +17,7 @@
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
+use crate::levels::NEARLY;
 use crate::linearization::Linearization;
 use crate::search::Scored;
 use crate::selection::{LEAST, compete};
@@ -25,17 +26,14 @@ use physics::declare::{Causality, Kind};
 use physics::model::Entry;
 use rayon::prelude::*;
 
-/// Change of ln p for the difference in (1).
+/// Change of ln p for the difference in (1). Numerical: the error of the sensitivity is 1 %.
 const STEP: f64 = 0.01;
-/// Number of parameters that are fitted from each start.
+/// Number of parameters that are fitted from each start. Numerical: a limit of effort; the others explain less to first order.
 const FITTED: usize = 2;
-/// Standard deviation of their prior, relative to their value: a size of this order is all that is known.
+/// Standard deviation of their prior, relative to their value. Definition: a size of this order is all that is known.
 pub const DEVIATION: f64 = 1.0;
 /// Group of the start values.
 const START_VALUES: &str = "initial.";
-/// A parameter competes if it explains at least this fraction of what the best effect explains, and the other way round: both have
-/// linearization errors of some hundredths.
-const NEARLY: f64 = 0.9;
 
 /// An experiment with a further fitted parameter.
 pub struct Released<'a> {

@@ -11,12 +11,14 @@ use crate::deadline::Deadline;
 use crate::experiment::Role;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Orders n, and block lengths in rows.
+/// Orders n. Definition: of the black box; up to one more than the nodes of the motor.
 const ORDERS: [usize; 4] = [0, 1, 2, 3];
+/// Block lengths in rows. Definition: of the black box; from one row to some minutes.
 const CELLS: [usize; 4] = [1, 5, 20, 80];
-/// Smallest number of blocks in a run.
+/// Smallest number of blocks in a run. Numerical: fewer determine no equation.
 const FEWEST: usize = 12;
-/// Eigenvalues below this fraction of the largest are treated as zero: the data cannot distinguish these functions.
+/// Eigenvalues below this fraction of the largest are treated as zero: the data cannot distinguish these functions. Numerical: rounding
+/// of the sums.
 const SINGULAR: f64 = 1e-11;
 
 /// The equations of every order and block length.

@@ -30,7 +30,8 @@ pub struct Judgement<'a> {
     pub time_for_boxes: Duration,
 }
 
-/// Time for the black boxes: an absolute value without a budget, otherwise a fraction of the budget.
+/// Time for the black boxes: an absolute value without a budget, otherwise a fraction of the budget. Numerical: a limit of effort; a
+/// channel without time has no black box.
 pub(super) const BOXES: (Duration, f64) = (Duration::from_secs(60), 0.15);
 
 impl Judgement<'_> {

@@ -3,16 +3,15 @@
 use super::{SAID, Search};
 use crate::CalibrateError;
 use crate::hypothesis::Addition;
+use crate::levels::NEARLY;
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, search};
 use crate::selection::{Candidate, LEAST, NEAR, Round, compete, predicts_where_it_acts};
 use physics::terms::MOST_TERMS;
 
-/// Largest number of passes over all additions; a pass without a change is the last.
+/// Largest number of passes over all additions. Numerical: a pass without a change is the last.
 const PASSES: usize = 2;
-/// A candidate is clearly behind if it explains less than this fraction of what the first explains.
-const AHEAD: f64 = 0.9;
 
 impl<'a> Search<'a> {
     /// Candidates scored last.
@@ -220,7 +219,7 @@ impl<'a> Search<'a> {
             return false;
         };
         let elsewhere = round.candidates.iter().filter(|c| c.addition().port != best.addition().port);
-        elsewhere.map(Candidate::sure).fold(0.0, f64::max) < AHEAD * best.sure()
+        elsewhere.map(Candidate::sure).fold(0.0, f64::max) < NEARLY * best.sure()
     }
 
     /// Whether a parameter of the naive fit deviates so far from its prior that it compensates for another effect.

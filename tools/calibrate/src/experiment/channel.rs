@@ -98,8 +98,8 @@ fn has(model: &Declaration, name: Option<&str>, causality: Causality) -> bool {
     name.and_then(|name| model.by_name(name)).is_some_and(|entry| entry.row.causality == causality)
 }
 
-/// Offset between degrees Celsius in a file and kelvin in the model.
-const CELSIUS: f64 = 273.15;
+/// Offset between degrees Celsius in a file and kelvin in the model. Definition: of the degree Celsius.
+pub const CELSIUS: f64 = 273.15;
 
 const fn channel(
     column: &'static str,

@@ -15,11 +15,11 @@
 use super::{Channel, Run};
 use nalgebra::{DMatrix, DVector};
 
-/// Largest shift that is tested, rows.
+/// Largest shift that is tested, rows. Numerical: longer shifts are found by the response of the model (`intake/clocks.rs`).
 const FAR: usize = 40;
-/// Largest number of rows that is evaluated.
+/// Largest number of rows that is evaluated. Numerical: a limit of effort.
 const MOST_ROWS: usize = 8000;
-/// Smallest number of rows for a meaningful test.
+/// Smallest number of rows for a meaningful test. Derivation: half of these rows remain inside of all shifts.
 const LEAST_ROWS: usize = 4 * FAR;
 /// Columns that respond instantaneously to each other.
 const AT_ONCE: [&str; 7] = [
@@ -42,9 +42,9 @@ struct Bar {
     more: f64,
     rows: usize,
 }
-/// Instantaneous response: noise of a single channel can mask it.
+/// Thresholds of an instantaneous response. Tuned: noise of a single channel can mask it.
 const INSTANT: Bar = Bar { explained: 0.5, more: 0.2, rows: 2 };
-/// The winding responds over its time constant, and its second differences are noisy.
+/// Thresholds of the winding, which responds over its time constant. Tuned: its second differences are noisy.
 const WARMING: Bar = Bar { explained: 0.3, more: 0.2, rows: 4 };
 
 /// Warnings about clocks, in sentences.

@@ -3,7 +3,7 @@
 use super::Run;
 use std::collections::HashSet;
 
-/// One row at the border: adjacent windows share the row at their common time.
+/// Rows that adjacent windows share. Definition: the one row at their common time.
 const AT_THE_BORDER: usize = 1;
 
 /// One sentence for each pair of runs with shared rows. The first `inputs` columns are inputs.

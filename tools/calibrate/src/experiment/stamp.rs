@@ -1,7 +1,11 @@
 //! Times of a file: seconds, ISO 8601 date and time, or hours, minutes and seconds.
 
-/// Seconds per day.
-pub const DAY: f64 = 86_400.0;
+/// Seconds per minute. Definition: unit of time.
+const MINUTE: f64 = 60.0;
+/// Seconds per hour. Definition: unit of time.
+const HOUR: f64 = 60.0 * MINUTE;
+/// Seconds per day. Definition: unit of time.
+pub const DAY: f64 = 24.0 * HOUR;
 
 /// A time in the format of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +66,7 @@ fn zoned(text: &str) -> Option<f64> {
             let of = |part: Option<&str>| part.map_or(Some(0.0), |p| p.parse::<f64>().ok());
             let (hours, minutes) =
                 is_number.then(|| (digits.get(..2), digits.get(2..).filter(|m| !m.is_empty())))?;
-            Some(clock(time)? - sign * (3600.0 * of(hours)? + 60.0 * of(minutes)?))
+            Some(clock(time)? - sign * (HOUR * of(hours)? + MINUTE * of(minutes)?))
         }
     }
 }
@@ -77,7 +81,7 @@ fn clock(text: &str) -> Option<f64> {
     };
     let (h, m) = (hours.parse::<u32>().ok()?, minutes.parse::<u32>().ok()?);
     let s: f64 = seconds.parse().ok()?;
-    (m < 60 && (0.0..61.0).contains(&s)).then(|| 3600.0 * f64::from(h) + 60.0 * f64::from(m) + s)
+    (m < 60 && (0.0..61.0).contains(&s)).then(|| HOUR * f64::from(h) + MINUTE * f64::from(m) + s)
 }
 
 #[cfg(test)]

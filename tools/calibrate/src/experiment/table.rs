@@ -21,10 +21,13 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
-/// Saturation: the end value must occur this many times as often as each of the readings next to it.
+/// Saturation: the end value must occur this many times as often as each of the [`NEXT`] readings next to it. Derivation: if all nine
+/// were equally frequent, once each, the end value would occur eight times with a probability of 3e-7.
 const CLIPPED: usize = 8;
+/// Number of readings next to the end value. Derivation: as for [`CLIPPED`].
 const NEXT: usize = 8;
-/// A pause longer than this many times the usual sampling interval is a gap.
+/// A pause longer than this many times the usual sampling interval is noted as a gap. Definition: of a gap; the simulation continues
+/// across it.
 const GAP: f64 = 5.0;
 
 impl Table {

@@ -16,39 +16,46 @@
 
 mod profile;
 
-use super::consistency::{SAMPLES, STRUCTURE, WORSE, thinned};
+use super::consistency::thinned;
 use super::{Unusable, mean_square, median, structured};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
+use crate::levels::{AT_NOISE, FACTOR, SAMPLES, STRUCTURE, SURE};
 use crate::noise;
+use crate::selection::LEAST as VERY_STRONG;
 use crate::setup::Setup;
 use crate::simulate::Drive;
 use profile::{About, moved};
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Time limit of this check; longer in tests, so that they do not depend on the load of the machine.
+/// Time limit of this check; longer in tests, so that they do not depend on the load of the machine. Numerical: a limit of effort.
 const TIME: Duration = Duration::from_secs(if cfg!(test) { 300 } else { 12 });
-/// Rows of a run that are compared; each is the mean over a constant number of readings.
+/// Rows of a run that are compared; each is the mean over a constant number of readings. Numerical: the shift is estimated between
+/// rows.
 const ROWS: usize = 1500;
-/// Least value of (2) at which a shift is confirmed or accepted: false-alarm probability 1e-5 for a thousand shifts.
+/// Least value of (2) at which a shift is confirmed or accepted. Derivation: the normal tail exp(-37 / 2) times 1e5, the readings by
+/// which columns can be shifted, is a false-alarm probability of 1e-3.
 const LEAST: f64 = 37.0;
-/// Ratio of the residual's mean square to that of the noise above which shifts are tried.
-const NOISY: f64 = 1.3;
-/// Ratio of successive shifts that are tried, for outputs and for inputs; `FARTHEST` is the greatest shift as a fraction of a run.
+/// Ratio of successive shifts that are tried, for outputs and for inputs. Numerical: the best ones are refined.
 const RATIO: (f64, f64) = (1.25, 1.6);
+/// The greatest shift as a fraction of a run. Limit: a greater one leaves too few common rows.
 const FARTHEST: f64 = 0.2;
-/// Number of shifts that are confirmed by a fit.
+/// Number of shifts that are confirmed by a fit. Numerical: a limit of effort; the best are tried first.
 const CONFIRMED: usize = 3;
-/// Difference in (2) above which one explanation is clearly better: odds of 150.
-const CLEARLY: f64 = 10.0;
-/// Fraction of the mean square, in excess of noise and structure error, that may remain with an approximate shift.
+/// Fraction of the mean square, in excess of noise and structure error, that may remain with an approximate shift. Tuned: a shift that
+/// leaves more is not the cause.
 const LITTLE: f64 = 0.1;
-/// Chi-square of one degree of freedom, 95 %.
-const WITHIN_95: f64 = 3.84;
+/// Relative steps in which the best shift of an input is refined. Numerical: resolution of a start.
+const FINE: f64 = 0.08;
+/// Steps of half of a shift in its estimate. Numerical: resolution of the estimate.
+const STEPS: i32 = 40;
+/// Shortest time constant of a sensor relative to the shift, ratio of successive ones, and their number. Numerical: from 0.2 to 3.6
+/// times the shift.
+const LAGS: (f64, f64, i32) = (0.2, 1.3, 12);
 
 /// Channel with the clock offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,7 +167,7 @@ fn search(
     let inputs = experiment.inputs.len();
     let noise: Vec<f64> = noise::of_experiment(experiment)[inputs..].iter().map(|s| s * s).collect();
     let Some(before) = squares(&setup, &fit, &as_is.hypothesis) else { return Ok(None) };
-    let is_noisy = before.iter().zip(&noise).any(|(s, n)| *s > NOISY * n);
+    let is_noisy = before.iter().zip(&noise).any(|(s, n)| *s > AT_NOISE * n);
     if !is_noisy || deadline.is_near() {
         return Ok(None);
     }
@@ -187,7 +194,7 @@ fn search(
     confirmed.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let Some(best) = confirmed.first().copied() else { return Ok(None) };
     // If an input explains it equally well, the output is not set aside.
-    let other = confirmed.iter().find(|s| matches!(s.who, Who::Input(_)) && s.gain > best.gain - CLEARLY);
+    let other = confirmed.iter().find(|s| matches!(s.who, Who::Input(_)) && s.gain > best.gain - VERY_STRONG);
     Ok(Some(other.copied().unwrap_or(best)))
 }
 
@@ -273,7 +280,7 @@ impl Judge<'_> {
         let best = |k: &usize| {
             let better = |a: &Shift, b: &Shift| a.gain.total_cmp(&b.gain);
             let coarse = shifts.iter().filter_map(|late| of(*k, *late)).max_by(better)?;
-            let near = (-3..=3).map(|n| coarse.late * (1.0 + 0.08 * f64::from(n)));
+            let near = (-3..=3).map(|n| coarse.late * (1.0 + FINE * f64::from(n)));
             let fine =
                 near.filter(|_| coarse.gain > 0.5 * LEAST).filter_map(|late| of(*k, late)).max_by(better);
             Some(fine.unwrap_or(coarse))
@@ -315,7 +322,7 @@ impl Judge<'_> {
             // The shift must explain nearly all of the residual in these outputs.
             let explains = !outputs.is_empty()
                 && outputs.iter().all(|k| {
-                    before[*k] > WORSE.0 * after[*k].max(self.noise[*k])
+                    before[*k] > FACTOR * after[*k].max(self.noise[*k])
                         && after[*k] <= self.structure(*k).max(LITTLE * before[*k])
                 });
             let validated = validate.is_empty() || {
@@ -361,12 +368,12 @@ impl Judge<'_> {
             own.sum::<Option<f64>>()
         };
         let center = sign * (shift.late - from);
-        let reach = 0.5 * shift.late.abs();
-        let shifts: Vec<f64> = (-40..=40).map(|k| center + reach * f64::from(k) / 40.0).collect();
+        let step = 0.5 * shift.late.abs() / f64::from(STEPS);
+        let shifts: Vec<f64> = (-STEPS..=STEPS).map(|k| center + step * f64::from(k)).collect();
         let costs: Vec<(f64, f64)> = shifts.par_iter().filter_map(|d| Some((*d, cost(*d)?))).collect();
         let (at, least) = costs.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let inside = costs.iter().filter(|(_, c)| *c <= least + WITHIN_95).map(|(d, _)| *d);
-        let half = 0.5 * reach / 40.0;
+        let inside = costs.iter().filter(|(_, c)| *c <= least + SURE * SURE).map(|(d, _)| *d);
+        let half = 0.5 * step;
         let (low, high) = inside.fold((at, at), |(a, b), d| (a.min(d), b.max(d)));
         if let Who::Output(k) = shift.who
             && at > 0.0
@@ -375,9 +382,9 @@ impl Judge<'_> {
                 let (square, count) = about.lagged(k, tau)?;
                 Some(self.samples(count) * square.max(self.noise[k] * 0.5).ln())
             };
-            let lags = (0..12).map(|n| 0.2 * at * 1.3f64.powi(n));
+            let lags = (0..LAGS.2).map(|n| LAGS.0 * at * LAGS.1.powi(n));
             let lagged = lags.filter_map(lag).min_by(f64::total_cmp).unwrap_or(f64::INFINITY);
-            if lagged < least + CLEARLY {
+            if lagged < least + VERY_STRONG {
                 return None;
             }
         }

@@ -17,7 +17,7 @@
 //! the sum of ln q_k. Hypotheses on outputs need no simulation; those on inputs are simulated only if some q is large. The best ones
 //! are confirmed: the declared parameters are fitted to the data as they are and as changed by the hypothesis, with a
 //! structure error of [`STRUCTURE`] of each output's size and [`SAMPLES`] independent readings per run as the noise. The data are
-//! contradictory only if the minimum of the former is [`WORSE`] times that of the latter: no values within the priors explain the data as
+//! contradictory only if the minimum of the former is [`FACTOR`] times that of the latter: no values within the priors explain the data as
 //! well.
 //!
 //! Before that, parameters without prior get one if their values in the preset contradict the data (`undeclared.rs`). Since a mistake may
@@ -38,45 +38,50 @@ use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Start};
 use crate::hypothesis::Hypothesis;
+use crate::levels::{CERTAIN, FACTOR, NEARLY, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 use mistakes::{Mistake, mistakes};
 use physics::declare::Unit;
 use std::time::Duration;
 
-/// Structure error of a model without the missing effect, as a fraction of an output's size: refits without it deviate by 1 to 5 %.
-pub(super) const STRUCTURE: f64 = 0.02;
-/// Independent readings per run: a run comprises some tens of time constants.
-pub(super) const SAMPLES: f64 = 50.0;
-/// Ratio and difference of minus twice the log likelihoods of data and hypothesis; the difference corresponds to odds of 1e-21.
-pub(super) const WORSE: (f64, f64) = (2.5, 100.0);
-/// Ratio of a run's residual to the structure error, as a mean over outputs, above which mistakes are searched for.
+/// Ratio of a run's residual to the structure error, as a mean over outputs, above which mistakes are searched for. Tuned: refits
+/// without the missing effect leave up to 2.5 times.
 const GOOD: f64 = 3.0;
-/// Sum of squared parameter deviations over their priors above which parameters count as strained: two at four standard deviations.
-const STRAINED: f64 = 32.0;
-/// Difference between two costs of an output that counts as a change.
+/// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
+const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
+/// Difference between two costs of an output that counts as a change. Tuned: twice the limit for very strong evidence.
 const CHANGED: f64 = 20.0;
-/// q of an output above which hypotheses on inputs are simulated.
+/// q of an output above which hypotheses on inputs are simulated. Tuned: missing effects deviate by less.
 const SUSPECT: f64 = 0.25;
-/// q below which an output agrees; smaller values are not distinguished.
-const AGREES: f64 = 0.02;
-/// Decrease of the score required for confirming a hypothesis: q of one output by a third.
+/// Decrease of the score required for confirming a hypothesis, q of one output by a third. Tuned: smaller decreases cost fits.
 const FALL: f64 = 0.35;
-/// Greatest number of simultaneous mistakes, and of hypotheses confirmed for each.
+/// Greatest number of simultaneous mistakes. Numerical: a limit of effort.
 const MOST: usize = 3;
+/// Greatest number of hypotheses confirmed for each. Numerical: a limit of effort; the best are tried first.
 const SHORT: usize = 6;
-/// Factors closer to 1 than this may be physical.
-const PHYSICAL: f64 = 2.5;
-/// q of an output without any agreement.
+/// q of an output without any agreement. Numerical: any value far above 1.
 const MOST_OFF: f64 = 10.0;
-/// Rows of a run that are compared; each is the mean over a constant number of readings.
+/// Rows of a run that are compared; each is the mean over a constant number of readings. Numerical: a run comprises some tens of time
+/// constants.
 const ROWS: usize = 500;
-/// Time limit for the search, and for the fit of a hypothesis: one that has not converged in time is not confirmed.
+/// Time limit for the search. Numerical: a limit of effort.
 const SEARCH: Duration = Duration::from_secs(6);
+/// Time limit for the fit of a hypothesis: one that has not converged in time is not confirmed. Numerical: a limit of effort.
 const FIT: Duration = Duration::from_secs(3);
-/// Time limit for the fit of the data as they are. If it has not converged by then, as on a busy machine, no conclusion is drawn, because
-/// its cost would cause good data to be rejected.
+/// Time limit for the fit of the data as they are. Numerical: if it has not converged by then, as on a busy machine, no conclusion is
+/// drawn.
 const AS_IS: Duration = Duration::from_secs(30);
+/// Least size of a quantity, in SI units. Numerical: rounding.
+const ROUNDING: f64 = 1e-9;
+/// Least variation of a temperature in (2), K. Limit: smaller ones show no shape.
+const LEAST_RISE: f64 = 0.5;
+/// Fraction of equal readings from which a sensor is frozen. Tuned: nearly all.
+const FROZEN: f64 = 0.9;
+/// Factor and least value of q above which an output that agreed is now far off. Tuned: another mistake would be made.
+const WORSENED: (f64, f64) = (1.5, 0.15);
+/// First and last difference of the common logarithm of a factor. Numerical: the factor is known to 1 %.
+const POWERS: (f64, f64) = (0.25, 0.005);
 
 /// Predictions of the model and their deviation from the data.
 struct Judge<'a> {
@@ -126,7 +131,7 @@ impl Judge<'_> {
                     let kept = &all[..(all.len() * 9).div_ceil(10)];
                     (kept.iter().sum::<f64>() / kept.len() as f64).sqrt()
                 };
-                let whole = size(&|(y, _)| *y).max(size(&|(_, p)| *p)).max(1e-9);
+                let whole = size(&|(y, _)| *y).max(size(&|(_, p)| *p)).max(ROUNDING);
                 size(&|(y, p)| y - p) / whole
             };
             Some((q.min(MOST_OFF), both / own))
@@ -139,15 +144,15 @@ impl Judge<'_> {
 fn shape(rows: &[(f64, f64)], start: f64) -> f64 {
     let n = rows.len() as f64;
     let (y, p) = rows.iter().fold((0.0, 0.0), |(a, b), (y, p)| (a + y / n, b + p / n));
-    let (mut yy, mut pp, mut yp) = (1e-9, 1e-9, 0.0);
+    let (mut yy, mut pp, mut yp) = (ROUNDING, ROUNDING, 0.0);
     for (a, b) in rows {
         yy += (a - y).powi(2);
         pp += (b - p).powi(2);
         yp += (a - y) * (b - p);
     }
-    let size = (yy.max(pp) / n).sqrt().max(0.5);
+    let size = (yy.max(pp) / n).sqrt().max(LEAST_RISE);
     let unlike = if yp > 0.0 { 1.0 - yp * yp / (yy * pp) } else { 1.0 };
-    let scale = (0.5 * (yy / pp).ln().abs() - PHYSICAL.ln()).max(0.0);
+    let scale = (0.5 * (yy / pp).ln().abs() - FACTOR.ln()).max(0.0);
     let start = if start.is_finite() { start / size } else { 0.0 };
     (unlike + scale * scale + start * start).sqrt()
 }
@@ -156,7 +161,7 @@ fn score(outputs: &[Option<(f64, f64)>]) -> f64 {
     outputs
         .iter()
         .flatten()
-        .map(|(q, _)| if q.is_finite() { q.max(AGREES).ln() } else { MOST_OFF.ln() })
+        .map(|(q, _)| if q.is_finite() { q.max(STRUCTURE).ln() } else { MOST_OFF.ln() })
         .sum()
 }
 
@@ -164,7 +169,7 @@ fn score(outputs: &[Option<(f64, f64)>]) -> f64 {
 fn agreement(mistake: &Mistake, outputs: &[Option<(f64, f64)>], inputs: usize) -> f64 {
     let touched =
         mistake.touches().into_iter().filter_map(|k| outputs.get(k.checked_sub(inputs)?).copied().flatten());
-    touched.count() as f64 * AGREES.ln()
+    touched.count() as f64 * STRUCTURE.ln()
 }
 
 fn worst(outputs: &[Option<(f64, f64)>]) -> f64 {
@@ -179,7 +184,7 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
         for column in &mut table.columns[experiment.inputs.len()..] {
             let first = super::median(column.iter().copied());
             let still = column.iter().filter(|x| **x == first).count();
-            if still as f64 > 0.9 * column.iter().filter(|x| x.is_finite()).count() as f64 {
+            if still as f64 > FROZEN * column.iter().filter(|x| x.is_finite()).count() as f64 {
                 column.fill(f64::NAN);
             }
         }
@@ -318,7 +323,7 @@ fn search(
         if !is_explained(&best) && !judge.deadline.is_over() {
             for (k, output) in outputs.iter().enumerate() {
                 if let Some((_, ratio)) = output.filter(|(q, r)| *q > SUSPECT && r.is_finite() && *r != 0.0)
-                    && !(1.0 / PHYSICAL..=PHYSICAL).contains(&ratio)
+                    && !(1.0 / FACTOR..=FACTOR).contains(&ratio)
                     && !at.outputs[k].is_temperature()
                 {
                     let words = format!("readings divided by {ratio:.3}");
@@ -367,7 +372,7 @@ fn search(
                 _ => None,
             };
             if without.as_ref().unwrap_or(&as_is).is_worse_than(&as_meant)
-                && confirmed.as_ref().is_none_or(|(least, _)| as_meant.whole() < 0.9 * least.whole())
+                && confirmed.as_ref().is_none_or(|(least, _)| as_meant.whole() < NEARLY * least.whole())
             {
                 confirmed = Some((as_meant, one));
             }
@@ -421,7 +426,7 @@ fn is_possible(changed: &Experiment, mistake: &Mistake) -> bool {
 fn agrees_more(before: &[Option<(f64, f64)>], after: &[Option<(f64, f64)>]) -> bool {
     let pairs = || before.iter().flatten().zip(after.iter().flatten()).map(|((a, _), (b, _))| (*a, *b));
     pairs().any(|(a, b)| b < SUSPECT && b < 0.5 * a)
-        && !pairs().any(|(a, b)| a < SUSPECT && b > (1.5 * a).max(0.15))
+        && !pairs().any(|(a, b)| a < SUSPECT && b > (WORSENED.0 * a).max(WORSENED.1))
 }
 
 /// Corrected mistake: score, mistake, changed data and their prediction.
@@ -444,10 +449,10 @@ fn any_factor(judge: &Judge, experiment: &Experiment) -> Vec<Changed> {
             (score(&judge.outputs(&changed, &shown)), mistake, changed, shown)
         };
         let mut best: Option<(f64, Changed)> = None;
-        let mut step = 0.25;
+        let mut step = POWERS.0;
         let mut powers: Vec<f64> =
-            (-12..=12).map(|k| f64::from(k) * step).filter(|p| p.abs() > PHYSICAL.log10()).collect();
-        while step > 0.005 {
+            (-12..=12).map(|k| f64::from(k) * step).filter(|p| p.abs() > FACTOR.log10()).collect();
+        while step > POWERS.1 {
             for power in std::mem::take(&mut powers) {
                 if judge.deadline.is_over() {
                     break;
@@ -460,7 +465,7 @@ fn any_factor(judge: &Judge, experiment: &Experiment) -> Vec<Changed> {
             step *= 0.5;
             let Some((at, _)) = &best else { break };
             powers = vec![at - step, at + step];
-            powers.retain(|p| p.abs() > PHYSICAL.log10());
+            powers.retain(|p| p.abs() > FACTOR.log10());
         }
         found.extend(best.map(|(_, one)| one));
     }

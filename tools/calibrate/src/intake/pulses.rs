@@ -14,10 +14,15 @@ use super::signals::{Readings, bound};
 use crate::experiment::{Channel, Experiment, Table};
 use std::f64::consts::PI;
 
-/// Quantile of the neighbouring changes; the greater ones may be pulses as well.
+/// Quantile of the neighbouring changes. Derivation: of 18 changes, another pulse accounts for two and a step of an input for one.
 const NEAR_BY: f64 = 0.8;
-/// Tolerated difference between both sides of a pulse: parameter errors of the preset leave a step in the residual.
+/// Tolerated difference between both sides of a pulse, as a fraction of the pulse. Tuned: parameter errors of the preset leave a step
+/// in the residual.
 const ALIKE: f64 = 0.6;
+/// The same for a pulse of an input, which is no residual. Tuned: as for spikes.
+const ALIKE_INPUT: f64 = 0.3;
+/// Least change of an input, in SI units. Numerical: rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Sets aside the outliers, with notes; `predicted` by run and output, `spikes` the number found before in each channel.
 pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], spikes: &[usize]) {
@@ -118,7 +123,11 @@ impl Residual {
 /// Whether an input has a different level before and after a row; true for the first and the last row of a run.
 fn is_step(table: &Table, row: usize, sizes: &[f64], least: f64) -> bool {
     let Some(before) = row.checked_sub(1).filter(|_| row + 1 < table.time.len()) else { return true };
-    table.columns.iter().zip(sizes).any(|(c, size)| (c[row + 1] - c[before]).abs() > (least * size).max(1e-9))
+    table
+        .columns
+        .iter()
+        .zip(sizes)
+        .any(|(c, size)| (c[row + 1] - c[before]).abs() > (least * size).max(ROUNDING))
 }
 
 /// Whether a column deviates from the line between the neighbouring rows by more than `least`.
@@ -129,5 +138,5 @@ fn is_pulse(table: &Table, k: usize, row: usize, least: f64) -> bool {
     let across = column[row + 1] - column[before];
     let off = (column[row] - column[before] - share * across).abs();
     // A step deviates as well, but ends at another level.
-    off > least && across.abs() < 0.3 * off
+    off > least && across.abs() < ALIKE_INPUT * off
 }

@@ -17,31 +17,52 @@
 
 use super::{FAR, Unusable, ambient, median, sorted};
 use crate::experiment::{Channel, Experiment, Role};
+use crate::levels::CERTAIN;
 use crate::noise;
 use std::cell::LazyCell;
 
-/// (1): a sensor on the motor reads between one eighth of the rise and eight times the rise.
+/// (1): a sensor on the motor reads between one eighth of the rise and eight times the rise. Limit: losses, conductance to the air and
+/// resistance between the nodes are each within a factor of two of the preset's.
 const LEVEL: (f64, f64) = (0.125, 8.0);
-/// (2)
+/// (2). Tuned: a sensor that responds by less is detached.
 const SLOPE: f64 = 0.1;
-/// (3), and the fewest rows of a section.
+/// (3), resolutions or standard deviations of the noise. Tuned: readings that are repeated by chance vary by less.
 const STEPS: f64 = 5.0;
+/// Fewest rows of a section. Derivation: a standard deviation is then known to 13 %, 1 / sqrt(2 n).
 const LEAST_ROWS: usize = 30;
-/// Variation of a prediction required for a conclusion, in its standard deviations: from -2 to +2, the range of 95 % of the priors.
-const CERTAIN: f64 = 4.0;
-/// Unpredicted fraction of a jump above which it is attributed to the sensor: if the preset's heat capacity is within a factor of two of
-/// the motor's, the model predicts at least half of a step.
+/// Unpredicted fraction of a jump above which it is attributed to the sensor. Limit: if the preset's heat capacity is within a factor
+/// of two of the motor's, the model predicts at least half of a step.
 const UNPREDICTED: f64 = 0.5;
-/// Numbers of sections of a run to which (2) is applied.
+/// Numbers of sections of a run to which (2) is applied. Numerical: a failure of an eighth of a run or more is seen.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
-/// Fraction of its variation over all runs by which the prediction must vary in a section for (2) or (3).
+/// Fraction of its variation over all runs by which the prediction must vary in a section for (2) or (3). Tuned: smaller variations are
+/// not predicted well.
 const MOVES: f64 = 0.25;
-/// Standard deviations of the noise that count as significant.
+/// Standard deviations of the noise that count as a change. Tuned: the difference of two readings, each within [`CERTAIN`], is less.
 const CLEAR: f64 = 10.0;
-/// Fraction of failed readings above which the sensor is set aside in the whole run.
+/// Fraction of failed readings above which the sensor is set aside in the whole run. Tuned: the majority.
 const WHOLE: f64 = 0.6;
-/// Fewest readings of a run for this check.
+/// Fewest readings of a run for this check. Derivation: the noise is then known to 11 %, 1 / sqrt(2 n).
 const ENOUGH: usize = 40;
+/// Quantile of a variation that ignores spikes, on either side. Numerical: 2 % of the readings.
+const TAIL: f64 = 0.02;
+/// Limits of the ratio of reading and prediction that parameter errors explain. Tuned: beyond these, the sensor is wrong.
+const RATIO: (f64, f64) = (0.3, 3.0);
+/// Fraction of the variation over all runs by which a prediction varies in rows with repeated readings. Tuned: smaller variations are
+/// not predicted well.
+const REPEATED_MOVES: f64 = 0.05;
+/// Rows with repeated readings relative to the usual number of repetitions. Tuned: a sensor is frozen beyond that.
+const HELD: f64 = 4.0;
+/// Deviation of a section relative to the best one, and relative to the variation over all runs. Tuned: parameter errors leave less.
+const JUMPED: (f64, f64) = (3.0, 0.1);
+/// Rise from which on (1) applies, as a fraction of the greatest rise, and in kelvin. Tuned: below it, the ambient temperature matters.
+const RISE: (f64, f64) = (0.2, 5.0);
+/// Deviation near ambient temperature that no working sensor has, K. Tuned: more than twice [`FAR`].
+const OFF: f64 = 25.0;
+/// Variation of a reading relative to [`SLOPE`] up to which it stands still. Tuned: slow drifts of a detached sensor.
+const STILL: f64 = 3.0;
+/// Deviation of an output while an input is constant relative to that elsewhere. Tuned: structure error deviates everywhere.
+const ELSEWHERE: f64 = 5.0;
 
 /// Readings and prediction of one output in one run.
 struct Pair {
@@ -74,7 +95,7 @@ fn pair(experiment: &Experiment, predicted: &[Vec<f64>], run: usize, output: usi
 fn spread(values: &[f64]) -> f64 {
     let all = sorted(values.iter().copied());
     let at = |share: f64| all[(share * (all.len() - 1) as f64) as usize];
-    if all.is_empty() { 0.0 } else { at(0.98) - at(0.02) }
+    if all.is_empty() { 0.0 } else { at(1.0 - TAIL) - at(TAIL) }
 }
 
 /// Sets aside sensors that do not respond, with notes: those that follow neither the preset's prediction nor that of the fitted
@@ -95,7 +116,7 @@ pub fn set_aside(
             pairs.iter().map(|p| p.model.iter().fold(0.0, |m: f64, x| m.max(x.abs()))).fold(0.0, f64::max);
         let ratios = pairs.iter().flat_map(|p| p.read.iter().zip(&p.model));
         let ratio = median(ratios.filter(|(_, m)| m.abs() > MOVES * size).map(|(y, m)| y / m));
-        let ratio = if ratio.is_finite() { ratio.clamp(0.3, 3.0) } else { 1.0 };
+        let ratio = if ratio.is_finite() { ratio.clamp(RATIO.0, RATIO.1) } else { 1.0 };
         pairs.iter_mut().flat_map(|p| &mut p.model).for_each(|m| *m *= ratio);
         let moves = pairs.iter().map(|p| spread(&p.model)).fold(0.0, f64::max);
         let off =
@@ -135,7 +156,7 @@ pub fn set_aside(
             let usual = sorted(good.chain(kept));
             let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(0.0);
             let jumps = if channel.is_temperature() { super::signals::jumps(&column) } else { Vec::new() };
-            widen(&mut bad, &off(own), usual.max(4.0 * sigma), &jumps);
+            widen(&mut bad, &off(own), usual.max(CERTAIN * sigma), &jumps);
             let count = bad.iter().filter(|bad| **bad).count();
             let file = experiment.runs[run].file.clone();
             let column = &mut experiment.runs[run].table.columns[first];
@@ -166,6 +187,7 @@ pub fn set_aside(
 /// Extends the failed rows, with a margin, as long as the reading deviates from the prediction by more than usual. The extension ends at a
 /// jump, at which the sensor began or ceased to work.
 fn widen(bad: &mut [bool], off: &[f64], usual: f64, jumps: &[usize]) {
+    /// Rows around a failure that are set aside as well. Tuned: a contact fails gradually.
     const MARGIN: usize = 5;
     let mut ends = vec![0];
     ends.extend(jumps);
@@ -230,10 +252,10 @@ impl Judge<'_> {
         let usual = median(stretches.iter().map(|(a, b)| (b - a + 1) as f64));
         let changes = self.column.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|x| *x > 0.0);
         let resolution = sorted(changes).first().copied().unwrap_or(0.0);
-        let least = (STEPS * resolution.max(self.sigma)).max(0.05 * self.moves);
+        let least = (STEPS * resolution.max(self.sigma)).max(REPEATED_MOVES * self.moves);
         let long = |(a, b): &(usize, usize)| {
             // If all readings are identical, the usual number of repetitions is no criterion.
-            let held = if stretches.len() > 2 { 4.0 * usual } else { 0.0 };
+            let held = if stretches.len() > 2 { HELD * usual } else { 0.0 };
             let count = b - a + 1;
             let span = self.own.model[*a..=*b]
                 .iter()
@@ -259,7 +281,7 @@ impl Judge<'_> {
             ends.windows(2).map(|w| (w[0], w[1])).filter(|(a, b)| b > a).collect();
         let best =
             parts.iter().filter(|(a, b)| b - a >= LEAST_ROWS).map(|p| off(*p)).fold(f64::INFINITY, f64::min);
-        let least = (3.0 * best).max(0.1 * self.moves).max(CLEAR * self.sigma);
+        let least = (JUMPED.0 * best).max(JUMPED.1 * self.moves).max(CLEAR * self.sigma);
         let far: Vec<usize> = parts.into_iter().filter(|p| off(*p) > least).flat_map(|(a, b)| a..b).collect();
         if far.is_empty() { self.moved() } else { far }
     }
@@ -293,14 +315,14 @@ impl Judge<'_> {
     /// (1)
     fn off_level(&self) -> Vec<usize> {
         let most = self.own.model.iter().fold(0.0, |m: f64, x| m.max(*x));
-        let least = (0.2 * most).max(5.0).max(CLEAR * self.sigma);
+        let least = (RISE.0 * most).max(RISE.1).max(CLEAR * self.sigma);
         let tells: Vec<usize> = (0..self.column.len()).filter(|k| self.own.model[*k] > least).collect();
         let fails = |k: &usize| {
             let (read, model) = (self.own.read[*k], self.own.model[*k]);
             !(LEVEL.0..=LEVEL.1).contains(&(read / model)) && (read - model).abs() > FAR
         };
         // Near ambient, (1) is replaced by a limit on the deviation relative to the variation in the run.
-        let far = |k: &usize| (self.own.read[*k] - self.own.model[*k]).abs() > self.moves.max(25.0);
+        let far = |k: &usize| (self.own.read[*k] - self.own.model[*k]).abs() > self.moves.max(OFF);
         let failing: Vec<usize> = tells.iter().copied().filter(fails).collect();
         let mut all: Vec<usize> = (0..self.column.len()).filter(far).collect();
         if failing.len() >= LEAST_ROWS {
@@ -327,7 +349,7 @@ impl Judge<'_> {
                 let part = from..from + length;
                 let model = &self.own.model[part.clone()];
                 let moved = spread(model);
-                if moved <= (MOVES * self.moves).max(CLEAR * self.sigma) || moved <= 1e-9 {
+                if moved <= (MOVES * self.moves).max(CLEAR * self.sigma) || moved <= f64::EPSILON {
                     continue;
                 }
                 let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
@@ -338,7 +360,8 @@ impl Judge<'_> {
                     own += (m - b).powi(2);
                 }
                 let moves = spread(&self.own.read[part.clone()]);
-                let is_still = (both / own).abs() < SLOPE && moves < 3.0 * SLOPE * moved + CLEAR * self.sigma;
+                let is_still =
+                    (both / own).abs() < SLOPE && moves < STILL * SLOPE * moved + CLEAR * self.sigma;
                 // The priors may account for all of the variation: a current as the small difference of two voltages.
                 if is_still && moved > CERTAIN * (self.doubt)(&self.own.rows[part.clone()]) {
                     all.extend(part);
@@ -351,6 +374,8 @@ impl Judge<'_> {
 
 /// Input that is constant in one run although noisy in others, while an output driven by it deviates from the prediction.
 pub fn dead_input(experiment: &Experiment, predicted: &[Vec<Vec<f64>>]) -> Option<Unusable> {
+    /// Deviation of an output from the prediction as a fraction of its variation. Tuned: missing effects deviate by less where the
+    /// input works.
     const AWAY: f64 = 0.1;
     for (k, channel) in experiment.inputs.iter().enumerate() {
         let same = |w: &[f64]| w[0] == w[1];
@@ -374,7 +399,7 @@ pub fn dead_input(experiment: &Experiment, predicted: &[Vec<Vec<f64>>]) -> Optio
                 let elsewhere = if off(false).is_finite() { off(false) } else { 0.0 };
                 if size > 0.0
                     && off(true) > AWAY * size
-                    && off(true) > 5.0 * elsewhere
+                    && off(true) > ELSEWHERE * elsewhere
                     && run.role != Role::Test
                 {
                     let (a, b) = (run.table.time[from], run.table.time[to]);

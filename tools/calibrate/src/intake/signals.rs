@@ -16,24 +16,31 @@
 use crate::experiment::{Channel, Experiment, Table};
 use crate::noise;
 
-/// Probability of a false alarm in an experiment.
+/// Probability of a false alarm in an experiment, alpha of (1). Definition: the level of the test; the bound (1) grows with the root of
+/// its logarithm only.
 const ALPHA: f64 = 1e-3;
-/// Standard deviations at which a channel follows the pulse of an input: two-sided significance level 1e-3.
+/// Standard deviations at which a channel follows the pulse of an input. Derivation: two-sided quantile of the normal distribution for
+/// the level [`ALPHA`].
 const FOLLOWS: f64 = 3.29;
-/// Most readings of a spike.
+/// Most readings of a spike. Derivation: half of [`NEAR`]; a wider group is the majority of its neighbourhood, which then is no
+/// reference.
 const WIDEST: usize = 5;
-/// Greatest difference of the readings on both sides of a spike, as a fraction of the spike.
+/// Greatest difference of the readings on both sides of a spike, as a fraction of the spike. Tuned: a step changes the level by its
+/// whole size.
 const ALIKE: f64 = 0.3;
-/// Number of neighbouring readings.
+/// Number of neighbouring readings. Numerical: their changes determine a scale to 20 %, and spikes exceed it many times.
 const NEAR: usize = 10;
-/// Fraction of spikes above which all readings of a channel are rejected.
+/// Fraction of spikes above which all readings of a channel are rejected. Tuned: such a sensor is not trusted between its spikes.
 const MOSTLY: f64 = 0.1;
-/// A jump exceeds all but the fraction [`RARE`] of the channel's changes by this factor, and is at least this many kelvin.
-const JUMP: (f64, f64) = (6.0, 3.0);
+/// A jump exceeds the channel's usual changes by this factor. Derivation: (1) for 7e4 readings.
+const JUMP: f64 = 6.0;
+/// A jump is at least this many kelvin. Tuned: smaller ones are noise of a contact.
+const LEAST_JUMP: f64 = 3.0;
+/// Fraction of a channel's changes that are not usual. Tuned: a run has fewer jumps.
 const RARE: f64 = 0.005;
-/// Fewest equal readings of a drop-out.
+/// Fewest equal readings of a drop-out. Derivation: two readings of a fine sensor may be equal by chance, three are not.
 const REPEATED: usize = 3;
-/// Range of temperature sensors, K: readings outside are codes of an open or shorted sensor.
+/// Range of temperature sensors, K. Limit: readings outside are codes of an open or shorted sensor.
 const POSSIBLE: (f64, f64) = (100.0, 1273.15);
 
 /// Bound (1) for an experiment.
@@ -152,7 +159,7 @@ fn code(column: &[f64]) -> Option<f64> {
         let (least, most) = (rest.first()?[0], rest.last()?[0]);
         let readings: usize = rest.iter().map(|r| r.len()).sum();
         let is_fine = 2 * rest.len() > readings && readings >= NEAR;
-        (code.len() >= REPEATED && is_fine && gap > JUMP.1.max(0.5 * (most - least))).then_some(code[0])
+        (code.len() >= REPEATED && is_fine && gap > LEAST_JUMP.max(0.5 * (most - least))).then_some(code[0])
     };
     let (first, above) = runs.split_first()?;
     let (last, below) = runs.split_last()?;
@@ -288,7 +295,7 @@ pub fn jumps(column: &[f64]) -> Vec<usize> {
     let change = |j: usize| (column[rows[j]] - column[rows[j - 1]]).abs();
     let changes = super::sorted((1..rows.len()).map(change));
     let usual = changes[((1.0 - RARE) * (changes.len() - 1) as f64) as usize];
-    let least = (JUMP.0 * usual).max(JUMP.1);
+    let least = (JUMP * usual).max(LEAST_JUMP);
     (1..rows.len()).filter(|j| change(*j) > least).map(|j| rows[j]).collect()
 }
 

@@ -5,7 +5,7 @@
 //! fit by simulation then estimates all parameters, including the time constant.
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
-use super::{Scored, choice, is_known, scale, scored};
+use super::{EXPONENT_LIMITS, EXPONENT_SCALE, LEAST_REFERENCE, Scored, choice, is_known, scale, scored};
 use crate::evidence::Gain;
 use crate::hypothesis::{Addition, Number, Shape, followed, hat, power};
 use crate::linearization::Linearization;
@@ -13,13 +13,17 @@ use crate::outcome::Follows;
 use physics::terms::{Driver, Factor, Lag, Port};
 use rayon::prelude::*;
 
-/// Shortest time constant that is tried, in rows: a shorter lag cannot be distinguished from the driver itself.
+/// Shortest time constant that is tried, in rows. Numerical: a shorter lag cannot be distinguished from the driver itself.
 const ROWS: f64 = 5.0;
-/// Ratio of successive time constants: first-order responses to neighbours correlate by 0.94, 2 sqrt(2) / 3.
+/// Ratio of successive time constants. Derivation: first-order responses to neighbours correlate by 0.94, 2 sqrt(2) / 3.
 const APART: f64 = 2.0;
-/// Exponents that are tried at the best time constant.
+/// Exponents that are tried at the best time constant. Numerical: the fit determines the exponent.
 const EXPONENTS: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
-/// Points of a table over a lagged driver.
+/// Limits of a time constant, relative to the shortest and the longest one tried. Numerical: at a limit the candidate is refused.
+const LIMITS: (f64, f64) = (0.5, 4.0);
+/// Unit of a time constant in the fit, relative to its value. Numerical: scale of a variable.
+const SCALE: f64 = 0.2;
+/// Points of a table over a lagged driver. Numerical: its prior correlates neighbouring points by 0.78, exp(-1/4).
 const POINTS: usize = 5;
 
 /// Lagged driver, run by run.
@@ -34,7 +38,8 @@ impl Late {
         let tangents = point.slopes.tangents.iter();
         let reached: Vec<Vec<f64>> = tangents.map(|t| followed(&t.time, &t.drivers, lag)).collect();
         let factor = scale(point, lag.driver);
-        let most = reached.iter().flatten().map(|z| (z - factor.offset).abs()).fold(1e-9, f64::max);
+        let most =
+            reached.iter().flatten().map(|z| (z - factor.offset).abs()).fold(LEAST_REFERENCE, f64::max);
         Late { lag, reached, factor: Factor { reference: most, ..factor } }
     }
 
@@ -89,9 +94,9 @@ fn time_constant(late: &Late, taus: &[f64]) -> Number {
     Number {
         symbol: "tau".to_string(),
         value: late.lag.tau,
-        limits: (0.5 * first, 4.0 * last),
+        limits: (LIMITS.0 * first, LIMITS.1 * last),
         unit: "s",
-        scale: 0.2 * late.lag.tau,
+        scale: SCALE * late.lag.tau,
         sloped: true,
     }
 }
@@ -123,7 +128,7 @@ fn powers(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_numb
     let spread = gain.covariance[(0, 0)].sqrt();
     let numbers = vec![
         number("coefficient".to_string(), gain.size[0], FREE, port.unit().name(), spread),
-        number("exponent".to_string(), exponent, (0.1, 5.0), "1", 0.05),
+        number("exponent".to_string(), exponent, EXPONENT_LIMITS, "1", EXPONENT_SCALE),
         time_constant(late, taus),
     ];
     let shape = Shape::Power { factor: Factor { exponent, ..late.factor } };

@@ -10,14 +10,15 @@
 //! 2693-2705 (latent forces); Harbrecht, Peters, Schneider, Applied Numerical Mathematics 62 (2012) 428-440 (pivots).
 
 use super::{alike, is_known, knots};
-use crate::evidence::LEAST_SIZE;
 use crate::hypothesis::hat;
+use crate::levels::NEGLIGIBLE;
 use crate::linearization::Linearization;
 use nalgebra::{DMatrix, DVector};
 use physics::terms::{Driver, Drivers, Port};
 use rayon::prelude::*;
 
-/// Greatest number of directions: as many columns as the drifts of two sensors have, so that the extra cost is small.
+/// Greatest number of directions. Numerical: as many columns as the drifts of two sensors have; the pivots take the greatest
+/// contributions first.
 const DIRECTIONS: usize = 48;
 
 /// Directions of the structure error of size 1 at a point: S of (2).
@@ -51,7 +52,7 @@ fn compressed(laws: &[DMatrix<f64>], values: usize) -> DMatrix<f64> {
         law.column_iter().for_each(|c| left += c.component_mul(&c) / count);
     }
     let mut columns: Vec<DVector<f64>> = Vec::new();
-    while columns.len() < DIRECTIONS && left.mean() > LEAST_SIZE * LEAST_SIZE {
+    while columns.len() < DIRECTIONS && left.mean() > NEGLIGIBLE * NEGLIGIBLE {
         let pivot = left.imax();
         let mut column = DVector::zeros(values);
         for law in laws {

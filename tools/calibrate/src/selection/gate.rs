@@ -5,17 +5,18 @@ use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
+use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::setup::{Setup, Shown};
 
-/// Fraction of a run that is held out if the effect acts in no validation run.
+/// Fraction of a run that is held out if the effect acts in no validation run. Source: Hastie, Tibshirani, Friedman, The Elements of
+/// Statistical Learning (2nd ed., 2009), sec. 7.2: typically a quarter for validation.
 const HELD_OUT: f64 = 0.25;
-/// Calibration accuracy of a sensor, in standard deviations of its noise.
-const CALIBRATED: f64 = 0.5;
-/// Greatest ratio of validation errors with and without a term: listed, unlisted. Required of terms that lower BIC by less than `WEAK`.
-const HARDLY: (f64, f64) = (0.995, 0.98);
-const WEAK: f64 = 100.0;
-/// Sizes in single runs that differ by less than this fraction are regarded as equal.
+/// Greatest ratio of validation errors with and without a listed effect, required of terms that lower BIC by less than [`DECISIVE`];
+/// for unlisted terms it is 1 - [`STRUCTURE`]. Tuned: small listed effects are accepted, chance is not.
+const HARDLY: f64 = 0.995;
+/// Sizes in single runs that differ by less than this fraction are regarded as equal. Tuned: structure error changes the size of a real
+/// effect from run to run.
 const ALIKE: f64 = 0.35;
 
 type Judged = (Option<f64>, Option<String>);
@@ -47,8 +48,8 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
             format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
         return Ok((validation, Some(sentence)));
     }
-    let most = if addition.is_listed() { HARDLY.0 } else { HARDLY.1 };
-    let weak = candidate.sure() < WEAK;
+    let most = if addition.is_listed() { HARDLY } else { 1.0 - STRUCTURE };
+    let weak = candidate.sure() < DECISIVE;
     if let Some(ratio) = validation.filter(|ratio| weak && *ratio >= most) {
         let sentence = format!(
             "what was not fitted is hardly predicted better: {ratio:.4} times the error without it; {most} is asked for"
@@ -88,7 +89,7 @@ fn unlike(candidate: &Candidate) -> Option<String> {
         let Some(column) = point.amplitude_column(own) else { continue };
         let Some(gain) = point.evidence.gain(&column) else { continue };
         let (off, deviation) = (gain.size[0], gain.covariance[(0, 0)].sqrt());
-        if off.abs() > ALIKE + 4.0 * deviation {
+        if off.abs() > ALIKE + CERTAIN * deviation {
             let file = &point.setup.experiment.runs[point.runs[own]].file;
             return Some(format!(
                 "is not the same in every run: {file} wants {:.0} % of the size that the others have",
@@ -162,7 +163,7 @@ pub fn predicts_where_it_acts(before: &Linearization, candidate: &Candidate) -> 
     let whole: f64 = explained.iter().sum();
     let ratio = |k: usize| if without[k] > 0.0 { with[k] / without[k] } else { 1.0 };
     let foretold: f64 = explained.iter().enumerate().map(|(k, own)| own / whole * ratio(k)).sum();
-    Ok(foretold < HARDLY.1 * HARDLY.1)
+    Ok(foretold < (1.0 - STRUCTURE).powi(2))
 }
 
 /// Decides for each of these runs whether an effect limited to some runs acts in it, by the smaller prediction error.

@@ -55,6 +55,9 @@ impl Line {
     }
 }
 
+/// Relative addition to the diagonal of the normal equations. Numerical: rounding of 1e4 terms.
+const ROUNDING: f64 = 1e-12;
+
 /// Prior constraint of delta in (1): for each parameter the ratio of noise variance to prior variance, and the distance to the prior.
 type Priors = Vec<(f64, f64)>;
 
@@ -86,13 +89,13 @@ fn mean_square(lines: &[Line], late: f64, priors: &Priors) -> Option<(f64, usize
     normal.fill_upper_triangle_with_lower_triangle();
     let (mut limited, mut toward) = (normal.clone(), right.clone());
     for (k, (weight, away)) in priors.iter().enumerate() {
-        limited[(k, k)] += weight + 1e-12 * normal[(k, k)].max(1e-300);
+        limited[(k, k)] += weight + ROUNDING * normal[(k, k)].max(f64::MIN_POSITIVE);
         toward[k] += weight * away;
     }
-    limited[(q, q)] += 1e-9 * count as f64;
+    limited[(q, q)] += ROUNDING * count as f64;
     let delta = limited.cholesky()?.solve(&toward);
     let rest = square - 2.0 * delta.dot(&right) + (&normal * &delta).dot(&delta);
-    Some((rest.max(1e-300) / count as f64, count))
+    Some((rest.max(f64::MIN_POSITIVE) / count as f64, count))
 }
 
 /// Fit about which (1) is linearised.

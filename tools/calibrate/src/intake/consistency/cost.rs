@@ -1,11 +1,12 @@
 //! Minimum over the declared parameters of the deviation of data and model, with structure error as noise.
 
 use super::super::{all_runs, structured};
-use super::{CHANGED, GOOD, Judge, SAMPLES, STRAINED, WORSE};
+use super::{CHANGED, GOOD, Judge, STRAINED};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Deviation, Experiment, Prior, Role};
 use crate::fit::Fitted;
+use crate::levels::{DECISIVE, FACTOR, SAMPLES};
 use crate::linearization::Linearization;
 use crate::selection::LEAST;
 use crate::setup::Setup;
@@ -49,7 +50,7 @@ impl Cost {
         let pairs =
             self.outputs.iter().zip(&other.outputs).filter(|(own, other)| (*own - *other).abs() > CHANGED);
         let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
-        own > WORSE.0 * meant && self.whole() > other.whole() + WORSE.1
+        own > FACTOR * meant && self.whole() > other.whole() + DECISIVE
     }
 
     /// (3), with respect to a fit with one parameter more.

@@ -2,7 +2,7 @@
 
 use super::super::ambient;
 use crate::experiment::units::{names, units};
-use crate::experiment::{Channel, Experiment};
+use crate::experiment::{CELSIUS, Channel, Experiment};
 use physics::declare::Unit;
 
 /// Hypothetical mistake: a change of the data.
@@ -73,7 +73,7 @@ impl Mistake {
                 Mistake::Swap(a, b) => table.columns.swap(*a, *b),
                 Mistake::Rise(k) => {
                     let of = table.columns[*k].iter_mut().zip(ambient);
-                    of.for_each(|(x, t)| *x += t - 273.15);
+                    of.for_each(|(x, t)| *x += t - CELSIUS);
                 }
                 Mistake::Heated(k) => {
                     let column = &mut table.columns[*k];
@@ -154,6 +154,9 @@ fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
     experiment.inputs.iter().chain(&experiment.outputs).copied().collect()
 }
 
+/// Two units with factors or offsets that differ by less are the same. Numerical: rounding of the factors.
+const SAME: f64 = 1e-3;
+
 /// Factor and offset in SI units of all unit mistakes for a quantity, with a description of the readings.
 fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     let mut all: Vec<(f64, f64, String)> = Vec::new();
@@ -163,8 +166,8 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     };
     let mut add = |factor: f64, offset: f64, words: String| {
         let same =
-            |(a, b, _): &&(f64, f64, String)| (a / factor - 1.0).abs() < 1e-3 && (b - offset).abs() < 1e-3;
-        if !((factor - 1.0).abs() < 1e-3 && offset.abs() < 1e-3) && all.iter().find(same).is_none() {
+            |(a, b, _): &&(f64, f64, String)| (a / factor - 1.0).abs() < SAME && (b - offset).abs() < SAME;
+        if !((factor - 1.0).abs() < SAME && offset.abs() < SAME) && all.iter().find(same).is_none() {
             all.push((factor, offset, words));
         }
     };
@@ -172,7 +175,7 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     if known.is_empty() {
         return all;
     }
-    add(-1.0, if of == Unit::Kelvin { 2.0 * 273.15 } else { 0.0 }, "the opposite sign".to_string());
+    add(-1.0, if of == Unit::Kelvin { 2.0 * CELSIUS } else { 0.0 }, "the opposite sign".to_string());
     // Mistakes from the contract's own unit come first: their description is the simplest.
     let pairs = || known.iter().flat_map(|stated| known.iter().map(move |meant| (stated, meant)));
     for plain in [true, false] {
@@ -190,7 +193,7 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
         if of == Unit::Kelvin { &[-1, 1] } else { &[-6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6] };
     for &power in powers {
         let factor = 10f64.powi(power);
-        let offset = if of == Unit::Kelvin { 273.15 * (1.0 - factor) } else { 0.0 };
+        let offset = if of == Unit::Kelvin { CELSIUS * (1.0 - factor) } else { 0.0 };
         add(factor, offset, format!("readings times 1e{power}"));
     }
     if matches!(of, Unit::Volt | Unit::Ampere) {

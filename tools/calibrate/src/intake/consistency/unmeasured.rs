@@ -7,17 +7,18 @@
 //! the input really is constant, as with a locked shaft, their agreement deteriorates. If no other output depends on the input by more
 //! than the structure error, no conclusion is drawn.
 
-use super::{Changed, Judge, Mistake, Predicted, STRUCTURE, blanked, score};
+use super::{Changed, Judge, Mistake, Predicted, blanked, score};
 use crate::experiment::Experiment;
+use crate::levels::STRUCTURE;
 use physics::declare::Unit;
 
-/// q above which an output disagrees: a missing effect causes 1 to 2.5 times [`STRUCTURE`], a varying input far more.
+/// q above which an output disagrees. Tuned: a missing effect causes 1 to 2.5 times [`STRUCTURE`], a varying input far more.
 const DISAGREES: f64 = 5.0 * STRUCTURE;
-/// Iterations of (1): voltage and torque are linear in speed and current except for friction.
+/// Iterations of (1). Numerical: voltage and torque are linear in speed and current except for friction.
 const ITERATIONS: usize = 3;
-/// Derivatives below this fraction of the greatest one do not determine the input.
+/// Derivatives below this fraction of the greatest one do not determine the input. Numerical: rounding of the difference.
 const FLAT: f64 = 1e-3;
-/// Perturbation of an input for s, as a fraction of its nominal value; a difference retains half of the digits.
+/// Perturbation of an input for s, as a fraction of its nominal value. Numerical: half of the digits remain in the difference.
 const MOVE: f64 = 1e-4;
 
 /// Each constant input with the values implied by an output that disagrees.
