@@ -15,7 +15,7 @@ use crate::deadline::Deadline;
 use crate::estimates;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
-use crate::levels::{LEAD, NEARLY};
+use crate::levels::{LEAD, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::search::{Scored, best_memory_term, latent_input_at, search};
@@ -29,9 +29,6 @@ use physics::terms::Port;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Lead that a latent input needs over the best law of present values to be classed as history-dependent, as a fraction of its
-/// evidence; at least [`LEAD`]. Tuned: linearization errors are some hundredths.
-const HISTORY: f64 = 0.03;
 /// Largest number of updates of the parameters estimated jointly with a latent input. Numerical: a limit of effort; each is a
 /// Gauss-Newton step.
 const MOVES: usize = 4;
@@ -40,9 +37,6 @@ const SETTLED: f64 = 0.2;
 /// Fraction of the time for the search from the plain fit if runs disagree; the disagreement counted as noise hides most effects.
 /// Numerical: matters only for a search that the time limit ends.
 const FIRST: f64 = 0.7;
-/// An unexplained residual is reported from this evidence on. Tuned: structure error of a correct model reaches the limit for very
-/// strong evidence.
-const SAID: f64 = 40.0;
 
 /// Options of the identification loop.
 #[derive(Clone, Copy, Debug, Default)]
@@ -262,7 +256,8 @@ impl<'a> Search<'a> {
         let free = scored.iter().find(|s| s.is_free())?;
         let (before, after) = (self.first.evidence.cost(), self.point().evidence.cost());
         let explained = before.0 - after.0;
-        let ahead = |evidence: f64, explained: f64| evidence - explained > LEAD.max(HISTORY * evidence.abs());
+        let ahead =
+            |evidence: f64, explained: f64| evidence - explained > LEAD.max(STRUCTURE * evidence.abs());
         (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1))
             .then(|| switched(scored, free))
     }
@@ -321,7 +316,7 @@ impl<'a> Search<'a> {
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
         } else if effects.is_empty()
-            && let Some(rest) = self.left().iter().find(|s| !s.listed).filter(|s| s.sure() > SAID)
+            && let Some(rest) = self.left().iter().find(|s| !s.listed).filter(|s| s.sure() > LEAD)
         {
             judgement.verdict = Verdict::Unexplained;
             judgement.unexplained = Some(unexplained(rest, false));

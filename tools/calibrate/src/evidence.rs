@@ -32,7 +32,7 @@ const JITTER: f64 = 1e-6;
 /// Part of a column orthogonal to the null model that is rounding, relative to its square. Numerical: 1e4 terms, condition 1e3.
 const ROUNDING: f64 = 1e-9;
 /// Prior sizes of a free shape that are compared: ratio of its variance to the mean estimation variance of the shape. Numerical:
-/// between two of them ln p is lower by at most 0.6 for each coefficient.
+/// between two of them ln p is lower by at most 0.7 for each coefficient.
 const SIZES: [f64; 5] = [1.0, 3e1, 1e3, 3e4, 1e6];
 
 /// A residual with the columns of the null model.

@@ -18,7 +18,7 @@ use crate::deadline::Deadline;
 use crate::experiment::{CELSIUS, Channel, Experiment, Role, Run, Start};
 use crate::fit::is_wide;
 use crate::hypothesis::Hypothesis;
-use crate::levels::{SAMPLES, STRUCTURE};
+use crate::levels::{SAMPLES, SMALL, STRUCTURE};
 use crate::overrides::Override;
 use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
@@ -35,9 +35,6 @@ const WRONG_UNIT: f64 = 0.5;
 /// Greatest difference of two working temperature sensors, K. Limit: two thermocouples of class 2 (2.5 K each, IEC 60584-1) with cold
 /// junctions (2 K each) differ by up to 9 K.
 const FAR: f64 = 10.0;
-/// Fraction of the range of an input by which readings may be outside, such as those of a fan at rest. Tuned: noise stays inside, a
-/// wrong unit does not.
-const SLACK: f64 = 0.05;
 /// Time limit for one simulation of all runs: contradictory data can drive the model into states that require tiny steps. Numerical: a
 /// simulation takes some milliseconds.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -145,7 +142,7 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
         for run in &mut experiment.runs {
             let column = &mut run.table.columns[k];
             // Noise about a limit, such as that of a fan at rest, is tolerated.
-            let slack = SLACK * (most - least);
+            let slack = SMALL * (most - least);
             let beyond = |x: &f64| *x < least - slack || *x > most + slack;
             let there = column.iter().filter(|x| x.is_finite()).count();
             let count = column.iter().filter(|x| beyond(x)).count();

@@ -16,32 +16,32 @@
 /// Definition: 95 % of the distribution are within these standard deviations.
 pub const SURE: f64 = 1.96;
 
-/// Standard deviations beyond which a deviation is not noise. Derivation: a normal variable is outside with a probability of 6e-5, less
-/// than one reading in a run of ten thousand rows.
+/// Standard deviations, or usual deviations, beyond which a deviation is not noise. Derivation: a normal variable is outside with a
+/// probability of 6e-5, less than one reading in a run of ten thousand rows.
 pub const CERTAIN: f64 = 4.0;
 
 /// Ratio of two standard deviations below which the smaller one is negligible. Derivation: variances add, so it increases the sum by 1
 /// %.
 pub const NEGLIGIBLE: f64 = 0.1;
 
-/// Ratio of the mean square of a residual to that of the noise up to which the residual is noise. Tuned: greater values let biased fits
-/// pass, smaller ones refuse good fits.
-pub const AT_NOISE: f64 = 1.3;
+/// Ratio of the mean square of a residual to that of the noise up to which the residual is noise. Derivation: 95 % quantile of
+/// chi-square with [`SAMPLES`] degrees of freedom, divided by that number.
+pub const AT_NOISE: f64 = 1.35;
 
-/// Reduction of the cost from which an explanation is clearly ahead of another one, beyond the errors of linearization and of the noise
-/// model. Tuned: with the limit for very strong evidence, 10, these errors would decide.
+/// Reduction of the cost from which an explanation stands out against the errors of linearization and of the noise model. Tuned: with
+/// the limit for very strong evidence, 10, these errors would decide.
 pub const LEAD: f64 = 30.0;
 
 /// Reduction of the cost from which neither errors of linearization nor structure error can account for an explanation. Tuned: weaker
 /// explanations have to pass further tests.
 pub const DECISIVE: f64 = 100.0;
 
-/// Fraction of what a candidate explains from which another one explains nearly as much. Tuned: linearised and fitted reductions of the
-/// cost differ by some hundredths.
+/// Fraction that counts as nearly all: of the readings, or of what another candidate explains. Tuned: linearised and fitted reductions
+/// of the cost differ by some hundredths.
 pub const NEARLY: f64 = 0.9;
 
-/// Structure error of a model without the missing effect, as a fraction of an output's size; errors of models that differ by less are
-/// equal. Tuned: refits of the blind suite without the effect deviate by 1 to 5 %.
+/// Structure error of a model without the missing effect, as a fraction of an output's size; errors and evidence that differ by less
+/// are equal. Tuned: refits of the blind suite without the effect deviate by 1 to 5 %.
 pub const STRUCTURE: f64 = 0.02;
 
 /// Independent readings of an output in a run. Tuned: a run comprises some tens of time constants, and the structure error persists
@@ -51,6 +51,14 @@ pub const SAMPLES: f64 = 50.0;
 /// Standard deviation of a sensor's zero, relative to its noise. Tuned: smaller zeros are traced to effects at sensors.
 pub const CALIBRATED: f64 = 0.5;
 
-/// Factor by which a missing effect, or the difference between a motor and its preset, may change an output or a residual. Tuned: a
-/// greater factor lets wrong units pass, a smaller one refuses data with a large missing effect.
-pub const FACTOR: f64 = 2.5;
+/// Factor by which a missing effect, or the difference between a motor and its preset, may change an output, and a missing effect the
+/// error of a refit. Tuned: a greater factor lets wrong units pass, a smaller one refuses good data.
+pub const FACTOR: f64 = 3.0;
+
+/// Fraction of the size, the range or the variation of a channel, or of its readings, that is too small to judge a sensor by. Tuned:
+/// missing effects and errors of the preset leave as much.
+pub const SMALL: f64 = 0.1;
+
+/// Relative change of a part of the data (an output, a run, a section of it) that structure error may cause. Tuned: a smaller one
+/// refuses real effects and tests columns without need.
+pub const PART: f64 = 0.3;

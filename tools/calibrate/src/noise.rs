@@ -14,25 +14,21 @@
 //! distribution its standard deviation. (3): Widrow, IRE Transactions on Circuit Theory 3 (1956) 266-276.
 
 use crate::experiment::Experiment;
-use crate::levels::STRUCTURE;
+use crate::levels::{NEARLY, STRUCTURE};
 
 /// Lower limit of the noise, as a fraction of the channel's span. Numerical: accuracy of a simulation.
 const LEAST: f64 = 1e-5;
 
-/// Fraction of the readings that a slower sensor holds for the same number of rows. Tuned: a command does not repeat its values so
-/// regularly.
-const REGULAR: f64 = 0.8;
 /// Most rows for which a slower sensor holds a reading. Tuned: longer plateaus are commanded.
 const LONGEST: usize = 20;
-/// Fewest changes between rows for estimating a quantization step. Tuned: fewer are plateaus.
+/// Fewest changes between rows for estimating a quantization step. Derivation: 4 % of the changes of a continuous quantity are
+/// multiples of a step within [`ON_STEP`]; of 20, nearly all are with a probability of 1e-23.
 const MOVES: usize = 20;
 /// Quantile of the changes at which the step is read. Numerical: for quantised noise all low quantiles are the step itself, for
 /// continuous noise they are nearly zero.
 const FIRST: f64 = 0.02;
 /// Tolerance of a change as a multiple of the step. Numerical: rounding of the readings in a file.
 const ON_STEP: f64 = 0.02;
-/// Fraction of the changes that are multiples of the step. Tuned: spikes of the sensor are not.
-const ON_STEPS: f64 = 0.95;
 /// A channel with fewer steps in its span is commanded (a fan on and off, a staircase of speeds) and therefore exact. Derivation: a
 /// coarser sensor could not resolve the structure error of the model.
 const STEPS: f64 = 1.0 / STRUCTURE;
@@ -63,7 +59,7 @@ fn step<'a>(columns: impl Iterator<Item = &'a [f64]>, is_temperature: bool) -> O
     moves.sort_by(f64::total_cmp);
     let step = moves[(FIRST * moves.len() as f64) as usize];
     let on = |size: &&f64| (*size / step - (*size / step).round()).abs() <= ON_STEP;
-    let all = moves.iter().filter(on).count() as f64 >= ON_STEPS * moves.len() as f64;
+    let all = moves.iter().filter(on).count() as f64 >= NEARLY * moves.len() as f64;
     let measured = most - least >= STEPS * step || (is_temperature && step <= COARSEST);
     (all && measured).then_some(step)
 }
@@ -92,7 +88,7 @@ pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
     let mut sorted = held.clone();
     sorted.sort_unstable();
     let usual = sorted[sorted.len() / 2];
-    let regular = held.iter().filter(|h| **h == usual).count() as f64 >= REGULAR * held.len() as f64;
+    let regular = held.iter().filter(|h| **h == usual).count() as f64 >= NEARLY * held.len() as f64;
     if (2..=LONGEST).contains(&usual) && regular { of_readings(&new).or(Some(0.0)) } else { Some(0.0) }
 }
 

@@ -37,11 +37,9 @@ const FURTHER: [usize; 4] = [3, 1, 1, 1];
 const STORED: f64 = 0.2;
 /// Fraction of the best evidence below which a candidate is fitted only if it is the best of its kind. Numerical: a limit of effort.
 const BEHIND: f64 = 0.3;
-/// A table must have a validation error smaller than that of a power law by this factor. Tuned: a power law extrapolates.
-const CLEARLY: f64 = 1.05;
-/// A law predicts far better if its validation error is below this fraction of that of the listed effect. Tuned: half of the mean
-/// square.
-const AHEAD: f64 = 0.7;
+/// A law predicts far better if its validation error is below this fraction of that of the listed effect. Derivation: half of the mean
+/// square; the law then accounts for more of it than it leaves.
+const AHEAD: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Fitted candidate.
 pub struct Candidate<'a> {
@@ -283,8 +281,9 @@ fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize
             None => k,
         };
     }
-    let worth =
-        |c: &Candidate| c.validation.unwrap_or(1.0) * if c.addition().is_table() { CLEARLY } else { 1.0 };
+    let worth = |c: &Candidate| {
+        c.validation.unwrap_or(1.0) * if c.addition().is_table() { 1.0 + STRUCTURE } else { 1.0 }
+    };
     let mut best = k;
     for other in 0..candidates.len() {
         let apart = candidates[k].sure() - candidates[other].sure();

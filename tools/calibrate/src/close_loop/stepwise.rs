@@ -1,9 +1,9 @@
 //! Stepwise selection: forward rounds, and re-estimation of earlier additions.
 
-use super::{SAID, Search};
+use super::Search;
 use crate::CalibrateError;
 use crate::hypothesis::Addition;
-use crate::levels::NEARLY;
+use crate::levels::{LEAD, NEARLY};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, search};
@@ -93,7 +93,7 @@ impl<'a> Search<'a> {
     /// Selects a memory term if it explains more of the naive fit's residual than laws of present values do, and the accepted additions
     /// explain clearly less or leave a large residual: they were substitutes for it. Returns whether it was selected.
     pub(super) fn remember(&mut self) -> bool {
-        let rest = self.left().first().is_some_and(|s| s.follows == Follows::History && s.sure() > SAID);
+        let rest = self.left().first().is_some_and(|s| s.follows == Follows::History && s.sure() > LEAD);
         if !needs_memory(&self.scored[0]) || !(rest || self.history().is_some()) {
             return false;
         }

@@ -23,7 +23,7 @@ use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
-use crate::levels::{AT_NOISE, FACTOR, SAMPLES, STRUCTURE, SURE};
+use crate::levels::{AT_NOISE, FACTOR, SAMPLES, SMALL, STRUCTURE, SURE};
 use crate::noise;
 use crate::selection::LEAST as VERY_STRONG;
 use crate::setup::Setup;
@@ -46,9 +46,6 @@ const RATIO: (f64, f64) = (1.25, 1.6);
 const FARTHEST: f64 = 0.2;
 /// Number of shifts that are confirmed by a fit. Numerical: a limit of effort; the best are tried first.
 const CONFIRMED: usize = 3;
-/// Fraction of the mean square, in excess of noise and structure error, that may remain with an approximate shift. Tuned: a shift that
-/// leaves more is not the cause.
-const LITTLE: f64 = 0.1;
 /// Relative steps in which the best shift of an input is refined. Numerical: resolution of a start.
 const FINE: f64 = 0.08;
 /// Steps of half of a shift in its estimate. Numerical: resolution of the estimate.
@@ -323,7 +320,7 @@ impl Judge<'_> {
             let explains = !outputs.is_empty()
                 && outputs.iter().all(|k| {
                     before[*k] > FACTOR * after[*k].max(self.noise[*k])
-                        && after[*k] <= self.structure(*k).max(LITTLE * before[*k])
+                        && after[*k] <= self.structure(*k).max(SMALL * before[*k])
                 });
             let validated = validate.is_empty() || {
                 let (old, new) = (

@@ -10,7 +10,7 @@
 //! q_k^2 = 1 - r^2 + (|y_0 - p_0| / s)^2 + (|ln(s_y / s_p)| - ln 2.5)_+^2                            (2)
 //!
 //! r the correlation of y and p, s their standard deviations. The check is made only if the fit of the declared parameters, with the
-//! structure error below, leaves a residual of more than [`GOOD`] times the structure error in a run. A mistake in a column is a
+//! structure error below, leaves a residual of more than [`FACTOR`] times the structure error in a run. A mistake in a column is a
 //! hypothesis that changes the data: another unit, in either direction; a power of ten; a wrong sign; two columns exchanged; a
 //! temperature rise over ambient recorded instead of a temperature; an ambient sensor heated by the motor; an input that was not
 //! measured, with values implied by an output; an arbitrary factor; a wrong unit of time. The score of a hypothesis is
@@ -38,24 +38,18 @@ use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Start};
 use crate::hypothesis::Hypothesis;
-use crate::levels::{CERTAIN, FACTOR, NEARLY, STRUCTURE};
+use crate::levels::{CERTAIN, FACTOR, NEARLY, PART, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 use mistakes::{Mistake, mistakes};
 use physics::declare::Unit;
 use std::time::Duration;
 
-/// Ratio of a run's residual to the structure error, as a mean over outputs, above which mistakes are searched for. Tuned: refits
-/// without the missing effect leave up to 2.5 times.
-const GOOD: f64 = 3.0;
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
 const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
-/// Difference between two costs of an output that counts as a change. Tuned: twice the limit for very strong evidence.
-const CHANGED: f64 = 20.0;
-/// q of an output above which hypotheses on inputs are simulated. Tuned: missing effects deviate by less.
-const SUSPECT: f64 = 0.25;
-/// Decrease of the score required for confirming a hypothesis, q of one output by a third. Tuned: smaller decreases cost fits.
-const FALL: f64 = 0.35;
+/// Decrease of the score required for confirming a hypothesis. Derivation: the square of q of one output halves, so that the mistake
+/// accounts for more than it leaves.
+const FALL: f64 = 0.5 * std::f64::consts::LN_2;
 /// Greatest number of simultaneous mistakes. Numerical: a limit of effort.
 const MOST: usize = 3;
 /// Greatest number of hypotheses confirmed for each. Numerical: a limit of effort; the best are tried first.
@@ -76,10 +70,6 @@ const AS_IS: Duration = Duration::from_secs(30);
 const ROUNDING: f64 = 1e-9;
 /// Least variation of a temperature in (2), K. Limit: smaller ones show no shape.
 const LEAST_RISE: f64 = 0.5;
-/// Fraction of equal readings from which a sensor is frozen. Tuned: nearly all.
-const FROZEN: f64 = 0.9;
-/// Factor and least value of q above which an output that agreed is now far off. Tuned: another mistake would be made.
-const WORSENED: (f64, f64) = (1.5, 0.15);
 /// First and last difference of the common logarithm of a factor. Numerical: the factor is known to 1 %.
 const POWERS: (f64, f64) = (0.25, 0.005);
 
@@ -184,7 +174,7 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
         for column in &mut table.columns[experiment.inputs.len()..] {
             let first = super::median(column.iter().copied());
             let still = column.iter().filter(|x| **x == first).count();
-            if still as f64 > FROZEN * column.iter().filter(|x| x.is_finite()).count() as f64 {
+            if still as f64 > NEARLY * column.iter().filter(|x| x.is_finite()).count() as f64 {
                 column.fill(f64::NAN);
             }
         }
@@ -313,7 +303,7 @@ fn search(
             }
         }
         for mistake in candidates.iter().filter(|m| !taken(m) && m.is_simulated(inputs)) {
-            if worst_now < SUSPECT || judge.deadline.is_over() {
+            if worst_now < PART || judge.deadline.is_over() {
                 break;
             }
             try_one(&mut best, mistake.clone());
@@ -322,7 +312,7 @@ fn search(
         // An arbitrary factor is tried only if no usual mistake explains the data.
         if !is_explained(&best) && !judge.deadline.is_over() {
             for (k, output) in outputs.iter().enumerate() {
-                if let Some((_, ratio)) = output.filter(|(q, r)| *q > SUSPECT && r.is_finite() && *r != 0.0)
+                if let Some((_, ratio)) = output.filter(|(q, r)| *q > PART && r.is_finite() && *r != 0.0)
                     && !(1.0 / FACTOR..=FACTOR).contains(&ratio)
                     && !at.outputs[k].is_temperature()
                 {
@@ -335,7 +325,7 @@ fn search(
                 }
             }
         }
-        if worst_now > 2.0 * SUSPECT && !is_explained(&best) {
+        if worst_now > 2.0 * PART && !is_explained(&best) {
             let of = any_factor(judge, &at).into_iter();
             best.extend(of.filter(|one| agrees_more(&outputs, &judge.outputs(&one.2, &one.3))));
             shortlist(&mut best);
@@ -425,8 +415,7 @@ fn is_possible(changed: &Experiment, mistake: &Mistake) -> bool {
 /// Whether one output agrees better and no output that agreed is now far off.
 fn agrees_more(before: &[Option<(f64, f64)>], after: &[Option<(f64, f64)>]) -> bool {
     let pairs = || before.iter().flatten().zip(after.iter().flatten()).map(|((a, _), (b, _))| (*a, *b));
-    pairs().any(|(a, b)| b < SUSPECT && b < 0.5 * a)
-        && !pairs().any(|(a, b)| a < SUSPECT && b > (WORSENED.0 * a).max(WORSENED.1))
+    pairs().any(|(a, b)| b < PART && b < 0.5 * a) && !pairs().any(|(a, b)| a < PART && b > PART)
 }
 
 /// Corrected mistake: score, mistake, changed data and their prediction.

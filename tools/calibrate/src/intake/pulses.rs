@@ -10,17 +10,12 @@
 //! A pulse caused by an input in the same row is attributed to the input if that channel has outliers; otherwise it is a real response.
 //! *Source*: Box and Tiao, Biometrika 55 (1968) 119-129 (contaminated normal).
 
-use super::signals::{Readings, bound};
+use super::signals::{ALIKE, Readings, bound};
 use crate::experiment::{Channel, Experiment, Table};
 use std::f64::consts::PI;
 
 /// Quantile of the neighbouring changes. Derivation: of 18 changes, another pulse accounts for two and a step of an input for one.
 const NEAR_BY: f64 = 0.8;
-/// Tolerated difference between both sides of a pulse, as a fraction of the pulse. Tuned: parameter errors of the preset leave a step
-/// in the residual.
-const ALIKE: f64 = 0.6;
-/// The same for a pulse of an input, which is no residual. Tuned: as for spikes.
-const ALIKE_INPUT: f64 = 0.3;
 /// Least change of an input, in SI units. Numerical: rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -138,5 +133,5 @@ fn is_pulse(table: &Table, k: usize, row: usize, least: f64) -> bool {
     let across = column[row + 1] - column[before];
     let off = (column[row] - column[before] - share * across).abs();
     // A step deviates as well, but ends at another level.
-    off > least && across.abs() < ALIKE_INPUT * off
+    off > least && across.abs() < ALIKE * off
 }

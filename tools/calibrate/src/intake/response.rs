@@ -5,8 +5,8 @@
 //! p:
 //!
 //! level  (y - p0) / (b (p - p0)) within [`LEVEL`], or y within [`FAR`] of p0 + b (p - p0)             (1)
-//! slope  cov(y, b p) / var(b p) over a section in which p varies: at least [`SLOPE`]                  (2)
-//! repeat identical readings, while p varies by more than [`STEPS`] resolutions                        (3)
+//! slope  cov(y, b p) / var(b p) over a section in which p varies: at least [`SMALL`]                  (2)
+//! repeat identical readings, while p varies by more than [`CLEAR`] resolutions                        (3)
 //!
 //! b is the channel's median of (y - p0) / (p - p0) over all runs, which removes a scale error due to the model's parameters. Between two
 //! jumps ([`super::signals`]) the readings must agree with p as well as in the best section of the run. Around a failure, rows are set
@@ -15,19 +15,16 @@
 //! *Assumes* that parameter errors and missing effects change a temperature rise by less than a factor of eight. *Sources*: Isermann,
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
+use super::signals::WIDEST;
 use super::{FAR, Unusable, ambient, median, sorted};
 use crate::experiment::{Channel, Experiment, Role};
-use crate::levels::CERTAIN;
+use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
 use std::cell::LazyCell;
 
 /// (1): a sensor on the motor reads between one eighth of the rise and eight times the rise. Limit: losses, conductance to the air and
 /// resistance between the nodes are each within a factor of two of the preset's.
 const LEVEL: (f64, f64) = (0.125, 8.0);
-/// (2). Tuned: a sensor that responds by less is detached.
-const SLOPE: f64 = 0.1;
-/// (3), resolutions or standard deviations of the noise. Tuned: readings that are repeated by chance vary by less.
-const STEPS: f64 = 5.0;
 /// Fewest rows of a section. Derivation: a standard deviation is then known to 13 %, 1 / sqrt(2 n).
 const LEAST_ROWS: usize = 30;
 /// Unpredicted fraction of a jump above which it is attributed to the sensor. Limit: if the preset's heat capacity is within a factor
@@ -35,34 +32,15 @@ const LEAST_ROWS: usize = 30;
 const UNPREDICTED: f64 = 0.5;
 /// Numbers of sections of a run to which (2) is applied. Numerical: a failure of an eighth of a run or more is seen.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
-/// Fraction of its variation over all runs by which the prediction must vary in a section for (2) or (3). Tuned: smaller variations are
-/// not predicted well.
-const MOVES: f64 = 0.25;
-/// Standard deviations of the noise that count as a change. Tuned: the difference of two readings, each within [`CERTAIN`], is less.
-const CLEAR: f64 = 10.0;
-/// Fraction of failed readings above which the sensor is set aside in the whole run. Tuned: the majority.
-const WHOLE: f64 = 0.6;
+/// Standard deviations of the noise, or resolutions, that count as a change. Derivation: two readings, each with an error within
+/// [`CERTAIN`], differ by less.
+const CLEAR: f64 = 2.0 * CERTAIN;
+/// Fraction of failed readings above which the sensor is set aside in the whole run. Definition: the majority.
+const WHOLE: f64 = 0.5;
 /// Fewest readings of a run for this check. Derivation: the noise is then known to 11 %, 1 / sqrt(2 n).
 const ENOUGH: usize = 40;
 /// Quantile of a variation that ignores spikes, on either side. Numerical: 2 % of the readings.
 const TAIL: f64 = 0.02;
-/// Limits of the ratio of reading and prediction that parameter errors explain. Tuned: beyond these, the sensor is wrong.
-const RATIO: (f64, f64) = (0.3, 3.0);
-/// Fraction of the variation over all runs by which a prediction varies in rows with repeated readings. Tuned: smaller variations are
-/// not predicted well.
-const REPEATED_MOVES: f64 = 0.05;
-/// Rows with repeated readings relative to the usual number of repetitions. Tuned: a sensor is frozen beyond that.
-const HELD: f64 = 4.0;
-/// Deviation of a section relative to the best one, and relative to the variation over all runs. Tuned: parameter errors leave less.
-const JUMPED: (f64, f64) = (3.0, 0.1);
-/// Rise from which on (1) applies, as a fraction of the greatest rise, and in kelvin. Tuned: below it, the ambient temperature matters.
-const RISE: (f64, f64) = (0.2, 5.0);
-/// Deviation near ambient temperature that no working sensor has, K. Tuned: more than twice [`FAR`].
-const OFF: f64 = 25.0;
-/// Variation of a reading relative to [`SLOPE`] up to which it stands still. Tuned: slow drifts of a detached sensor.
-const STILL: f64 = 3.0;
-/// Deviation of an output while an input is constant relative to that elsewhere. Tuned: structure error deviates everywhere.
-const ELSEWHERE: f64 = 5.0;
 
 /// Readings and prediction of one output in one run.
 struct Pair {
@@ -115,8 +93,8 @@ pub fn set_aside(
         let size =
             pairs.iter().map(|p| p.model.iter().fold(0.0, |m: f64, x| m.max(x.abs()))).fold(0.0, f64::max);
         let ratios = pairs.iter().flat_map(|p| p.read.iter().zip(&p.model));
-        let ratio = median(ratios.filter(|(_, m)| m.abs() > MOVES * size).map(|(y, m)| y / m));
-        let ratio = if ratio.is_finite() { ratio.clamp(RATIO.0, RATIO.1) } else { 1.0 };
+        let ratio = median(ratios.filter(|(_, m)| m.abs() > PART * size).map(|(y, m)| y / m));
+        let ratio = if ratio.is_finite() { ratio.clamp(1.0 / FACTOR, FACTOR) } else { 1.0 };
         pairs.iter_mut().flat_map(|p| &mut p.model).for_each(|m| *m *= ratio);
         let moves = pairs.iter().map(|p| spread(&p.model)).fold(0.0, f64::max);
         let off =
@@ -187,8 +165,6 @@ pub fn set_aside(
 /// Extends the failed rows, with a margin, as long as the reading deviates from the prediction by more than usual. The extension ends at a
 /// jump, at which the sensor began or ceased to work.
 fn widen(bad: &mut [bool], off: &[f64], usual: f64, jumps: &[usize]) {
-    /// Rows around a failure that are set aside as well. Tuned: a contact fails gradually.
-    const MARGIN: usize = 5;
     let mut ends = vec![0];
     ends.extend(jumps);
     ends.push(bad.len());
@@ -202,8 +178,8 @@ fn widen(bad: &mut [bool], off: &[f64], usual: f64, jumps: &[usize]) {
         }
         let edges: Vec<usize> = (0..bad.len()).filter(|k| bad[*k]).collect();
         for k in edges {
-            let end = (k + MARGIN + 1).min(bad.len());
-            bad[k.saturating_sub(MARGIN)..end].fill(true);
+            let end = (k + WIDEST + 1).min(bad.len());
+            bad[k.saturating_sub(WIDEST)..end].fill(true);
         }
     }
 }
@@ -252,10 +228,10 @@ impl Judge<'_> {
         let usual = median(stretches.iter().map(|(a, b)| (b - a + 1) as f64));
         let changes = self.column.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|x| *x > 0.0);
         let resolution = sorted(changes).first().copied().unwrap_or(0.0);
-        let least = (STEPS * resolution.max(self.sigma)).max(REPEATED_MOVES * self.moves);
+        let least = (CLEAR * resolution.max(self.sigma)).max(SMALL * self.moves);
         let long = |(a, b): &(usize, usize)| {
             // If all readings are identical, the usual number of repetitions is no criterion.
-            let held = if stretches.len() > 2 { HELD * usual } else { 0.0 };
+            let held = if stretches.len() > 2 { CERTAIN * usual } else { 0.0 };
             let count = b - a + 1;
             let span = self.own.model[*a..=*b]
                 .iter()
@@ -281,7 +257,7 @@ impl Judge<'_> {
             ends.windows(2).map(|w| (w[0], w[1])).filter(|(a, b)| b > a).collect();
         let best =
             parts.iter().filter(|(a, b)| b - a >= LEAST_ROWS).map(|p| off(*p)).fold(f64::INFINITY, f64::min);
-        let least = (JUMPED.0 * best).max(JUMPED.1 * self.moves).max(CLEAR * self.sigma);
+        let least = (CERTAIN * best).max(SMALL * self.moves).max(CLEAR * self.sigma);
         let far: Vec<usize> = parts.into_iter().filter(|p| off(*p) > least).flat_map(|(a, b)| a..b).collect();
         if far.is_empty() { self.moved() } else { far }
     }
@@ -315,14 +291,14 @@ impl Judge<'_> {
     /// (1)
     fn off_level(&self) -> Vec<usize> {
         let most = self.own.model.iter().fold(0.0, |m: f64, x| m.max(*x));
-        let least = (RISE.0 * most).max(RISE.1).max(CLEAR * self.sigma);
+        let least = (SMALL * most).max(FAR).max(CLEAR * self.sigma);
         let tells: Vec<usize> = (0..self.column.len()).filter(|k| self.own.model[*k] > least).collect();
         let fails = |k: &usize| {
             let (read, model) = (self.own.read[*k], self.own.model[*k]);
             !(LEVEL.0..=LEVEL.1).contains(&(read / model)) && (read - model).abs() > FAR
         };
         // Near ambient, (1) is replaced by a limit on the deviation relative to the variation in the run.
-        let far = |k: &usize| (self.own.read[*k] - self.own.model[*k]).abs() > self.moves.max(OFF);
+        let far = |k: &usize| (self.own.read[*k] - self.own.model[*k]).abs() > self.moves.max(FAR);
         let failing: Vec<usize> = tells.iter().copied().filter(fails).collect();
         let mut all: Vec<usize> = (0..self.column.len()).filter(far).collect();
         if failing.len() >= LEAST_ROWS {
@@ -349,7 +325,7 @@ impl Judge<'_> {
                 let part = from..from + length;
                 let model = &self.own.model[part.clone()];
                 let moved = spread(model);
-                if moved <= (MOVES * self.moves).max(CLEAR * self.sigma) || moved <= f64::EPSILON {
+                if moved <= (PART * self.moves).max(CLEAR * self.sigma) || moved <= f64::EPSILON {
                     continue;
                 }
                 let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
@@ -361,7 +337,7 @@ impl Judge<'_> {
                 }
                 let moves = spread(&self.own.read[part.clone()]);
                 let is_still =
-                    (both / own).abs() < SLOPE && moves < STILL * SLOPE * moved + CLEAR * self.sigma;
+                    (both / own).abs() < SMALL && moves < FACTOR * SMALL * moved + CLEAR * self.sigma;
                 // The priors may account for all of the variation: a current as the small difference of two voltages.
                 if is_still && moved > CERTAIN * (self.doubt)(&self.own.rows[part.clone()]) {
                     all.extend(part);
@@ -374,9 +350,6 @@ impl Judge<'_> {
 
 /// Input that is constant in one run although noisy in others, while an output driven by it deviates from the prediction.
 pub fn dead_input(experiment: &Experiment, predicted: &[Vec<Vec<f64>>]) -> Option<Unusable> {
-    /// Deviation of an output from the prediction as a fraction of its variation. Tuned: missing effects deviate by less where the
-    /// input works.
-    const AWAY: f64 = 0.1;
     for (k, channel) in experiment.inputs.iter().enumerate() {
         let same = |w: &[f64]| w[0] == w[1];
         let pairs = || experiment.runs.iter().flat_map(|r| r.table.columns[k].windows(2));
@@ -398,8 +371,8 @@ pub fn dead_input(experiment: &Experiment, predicted: &[Vec<Vec<f64>>]) -> Optio
                 };
                 let elsewhere = if off(false).is_finite() { off(false) } else { 0.0 };
                 if size > 0.0
-                    && off(true) > AWAY * size
-                    && off(true) > ELSEWHERE * elsewhere
+                    && off(true) > SMALL * size
+                    && off(true) > CERTAIN * elsewhere
                     && run.role != Role::Test
                 {
                     let (a, b) = (run.table.time[from], run.table.time[to]);

@@ -14,6 +14,7 @@
 //! a contact failure of the sensor; on one side of it the readings are no temperature ([`super::response`] determines which).
 
 use crate::experiment::{Channel, Experiment, Table};
+use crate::levels::SMALL;
 use crate::noise;
 
 /// Probability of a false alarm in an experiment, alpha of (1). Definition: the level of the test; the bound (1) grows with the root of
@@ -24,18 +25,16 @@ const ALPHA: f64 = 1e-3;
 const FOLLOWS: f64 = 3.29;
 /// Most readings of a spike. Derivation: half of [`NEAR`]; a wider group is the majority of its neighbourhood, which then is no
 /// reference.
-const WIDEST: usize = 5;
-/// Greatest difference of the readings on both sides of a spike, as a fraction of the spike. Tuned: a step changes the level by its
-/// whole size.
-const ALIKE: f64 = 0.3;
+pub(super) const WIDEST: usize = 5;
+/// Greatest difference of the readings on both sides of a spike, as a fraction of the spike. Derivation: a spike returns to its level,
+/// a step changes the level by its whole size; this is the middle.
+pub(super) const ALIKE: f64 = 0.5;
 /// Number of neighbouring readings. Numerical: their changes determine a scale to 20 %, and spikes exceed it many times.
 const NEAR: usize = 10;
-/// Fraction of spikes above which all readings of a channel are rejected. Tuned: such a sensor is not trusted between its spikes.
-const MOSTLY: f64 = 0.1;
 /// A jump exceeds the channel's usual changes by this factor. Derivation: (1) for 7e4 readings.
 const JUMP: f64 = 6.0;
-/// A jump is at least this many kelvin. Tuned: smaller ones are noise of a contact.
-const LEAST_JUMP: f64 = 3.0;
+/// A jump is at least this many kelvin. Limit: error of a thermometer that works (thermocouple of class 2, IEC 60584-1).
+const LEAST_JUMP: f64 = 2.5;
 /// Fraction of a channel's changes that are not usual. Tuned: a run has fewer jumps.
 const RARE: f64 = 0.005;
 /// Fewest equal readings of a drop-out. Derivation: two readings of a fine sensor may be equal by chance, three are not.
@@ -134,7 +133,7 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
             if own.is_empty() {
                 continue;
             }
-            if own.len() as f64 > MOSTLY * there as f64 && k >= experiment.inputs.len() {
+            if own.len() as f64 > SMALL * there as f64 && k >= experiment.inputs.len() {
                 table.columns[k].fill(f64::NAN);
                 write(about(k, format!("has {} spikes in {there} readings and is set aside", own.len())));
             } else {

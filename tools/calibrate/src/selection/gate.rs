@@ -5,7 +5,7 @@ use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
-use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, STRUCTURE};
+use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, PART, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::setup::{Setup, Shown};
 
@@ -13,11 +13,9 @@ use crate::setup::{Setup, Shown};
 /// Statistical Learning (2nd ed., 2009), sec. 7.2: typically a quarter for validation.
 const HELD_OUT: f64 = 0.25;
 /// Greatest ratio of validation errors with and without a listed effect, required of terms that lower BIC by less than [`DECISIVE`];
-/// for unlisted terms it is 1 - [`STRUCTURE`]. Tuned: small listed effects are accepted, chance is not.
+/// for unlisted terms it is 1 - [`STRUCTURE`]. Derivation: positive evidence, 2 (Kass, Raftery), from
+/// [`SAMPLES`](crate::levels::SAMPLES) readings of four outputs in a run: exp(-2 / (2 * 200)).
 const HARDLY: f64 = 0.995;
-/// Sizes in single runs that differ by less than this fraction are regarded as equal. Tuned: structure error changes the size of a real
-/// effect from run to run.
-const ALIKE: f64 = 0.35;
 
 type Judged = (Option<f64>, Option<String>);
 
@@ -89,7 +87,7 @@ fn unlike(candidate: &Candidate) -> Option<String> {
         let Some(column) = point.amplitude_column(own) else { continue };
         let Some(gain) = point.evidence.gain(&column) else { continue };
         let (off, deviation) = (gain.size[0], gain.covariance[(0, 0)].sqrt());
-        if off.abs() > ALIKE + CERTAIN * deviation {
+        if off.abs() > PART + CERTAIN * deviation {
             let file = &point.setup.experiment.runs[point.runs[own]].file;
             return Some(format!(
                 "is not the same in every run: {file} wants {:.0} % of the size that the others have",

@@ -1,7 +1,7 @@
 //! Minimum over the declared parameters of the deviation of data and model, with structure error as noise.
 
 use super::super::{all_runs, structured};
-use super::{CHANGED, GOOD, Judge, STRAINED};
+use super::{Judge, STRAINED};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Deviation, Experiment, Prior, Role};
@@ -48,7 +48,7 @@ impl Cost {
     /// Whether the cost is worse in those outputs in which the two differ. The other outputs may lack an unrelated effect.
     pub(super) fn is_worse_than(&self, other: &Cost) -> bool {
         let pairs =
-            self.outputs.iter().zip(&other.outputs).filter(|(own, other)| (*own - *other).abs() > CHANGED);
+            self.outputs.iter().zip(&other.outputs).filter(|(own, other)| (*own - *other).abs() > LEAST);
         let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
         own > FACTOR * meant && self.whole() > other.whole() + DECISIVE
     }
@@ -62,7 +62,7 @@ impl Cost {
 
     /// The runs that deviate by more than the structure error; all runs if parameters are strained.
     pub(super) fn bad_runs(&self) -> Vec<usize> {
-        let limit = GOOD * GOOD * SAMPLES * self.outputs.len() as f64;
+        let limit = FACTOR * FACTOR * SAMPLES * self.outputs.len() as f64;
         let is_bad = |run: &usize| self.runs[*run] > limit || self.prior > STRAINED;
         (0..self.runs.len()).filter(is_bad).collect()
     }

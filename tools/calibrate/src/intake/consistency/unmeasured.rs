@@ -9,11 +9,9 @@
 
 use super::{Changed, Judge, Mistake, Predicted, blanked, score};
 use crate::experiment::Experiment;
-use crate::levels::STRUCTURE;
+use crate::levels::SMALL;
 use physics::declare::Unit;
 
-/// q above which an output disagrees. Tuned: a missing effect causes 1 to 2.5 times [`STRUCTURE`], a varying input far more.
-const DISAGREES: f64 = 5.0 * STRUCTURE;
 /// Iterations of (1). Numerical: voltage and torque are linear in speed and current except for friction.
 const ITERATIONS: usize = 3;
 /// Derivatives below this fraction of the greatest one do not determine the input. Numerical: rounding of the difference.
@@ -29,9 +27,8 @@ pub(super) fn of(
     outputs: &[Option<(f64, f64)>],
 ) -> Vec<Changed> {
     let inputs = experiment.inputs.len();
-    let follows = |k: &usize| {
-        !experiment.outputs[*k].is_temperature() && outputs[*k].is_some_and(|(q, _)| q > DISAGREES)
-    };
+    let follows =
+        |k: &usize| !experiment.outputs[*k].is_temperature() && outputs[*k].is_some_and(|(q, _)| q > SMALL);
     let disagreeing: Vec<usize> = (0..outputs.len()).filter(follows).collect();
     let unmeasured = (0..inputs).filter(|k| is_constant(judge, experiment, *k));
     let pairs = unmeasured.flat_map(|column| disagreeing.iter().map(move |output| (column, *output)));
