@@ -1,9 +1,11 @@
-//! `cargo xtask tidy`: format, lints, dependencies between crates, lengths of files, generated files, licences.
+//! `cargo xtask tidy`: format, lints, dependencies between crates, lengths of files, generated files, licences,
+//! reasons of numeric constants.
 
 mod arrows;
 mod circles;
 mod lengths;
 mod modules;
+mod numbers;
 mod words;
 
 use crate::{Outcome, describe, licenses, shell, workspace::Workspace};
@@ -17,6 +19,7 @@ const CHECKS: &[Check] = &[
     ("import circles", circles::check),
     ("file lengths", lengths::check),
     ("modules of tests", modules::check),
+    ("numbers", numbers::check),
     ("words", words::check),
     ("licences", licenses::check),
 ];
