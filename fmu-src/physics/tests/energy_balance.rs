@@ -329,24 +329,31 @@ fn an_effect_that_is_on_is_seen() {
     }
 }
 
-/// Read alone, the power at the terminals is evaluated without the rest of the balance: the same value to the last bit.
+/// Read alone, some outputs are evaluated without the rest of the balance: the same value to the last bit.
 #[test]
-fn the_power_read_alone_is_that_of_the_balance() {
+fn an_output_read_alone_is_that_of_the_balance() {
     for drive in DRIVES {
         for coupling in COUPLINGS {
             for effects in [Effects::default(), Effects::examples()] {
-                let mut powers = 0;
+                let mut step = 0;
                 run(drive, coupling, effects, true, |m| {
-                    let alone = output(m, "power_electrical");
-                    output(m, "power_balance_error");
-                    assert_eq!(
-                        alone.to_bits(),
-                        output(m, "power_electrical").to_bits(),
-                        "{drive:?} {coupling:?}"
-                    );
-                    powers += i32::from(alone != 0.0);
+                    step += 1;
+                    if step % 50 != 0 {
+                        return;
+                    }
+                    let mut all = m.clone();
+                    output(&mut all, "power_balance_error");
+                    let entries = m.declaration().entries.iter();
+                    for entry in entries.filter(|entry| entry.row.causality == Causality::Output) {
+                        let (alone, in_balance) = (m.clone().get(entry.slot), all.get(entry.slot));
+                        assert_eq!(
+                            alone.to_bits(),
+                            in_balance.to_bits(),
+                            "{} {drive:?} {coupling:?}",
+                            entry.name
+                        );
+                    }
                 });
-                assert!(powers > 0, "{drive:?} {coupling:?}");
             }
         }
     }
