@@ -49,8 +49,8 @@ const SMALL: f64 = 1e-3;
 const POWER_SMALL: usize = 4;
 /// Eigenvalues above which p + q z loses more digits than the product of matrices.
 const FAR: f64 = 1e4;
-/// Half the difference of scaled real eigenvalues above which functions of the eigenvalues replace products of p + q z: a third of
-/// the computing time. Rounding errors of q are multiplied by the reciprocal of the difference.
+/// Half the difference of scaled real eigenvalues above which functions of the eigenvalues replace products of p + q z: 0.7 of the
+/// instructions. Rounding errors of q are multiplied by the reciprocal of the difference.
 const APART: f64 = 0.05;
 /// 1 / k!
 const RECIPROCAL: [f64; KEPT + POWER + 1] = {
