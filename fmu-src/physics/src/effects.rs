@@ -25,6 +25,26 @@ macro_rules! parameters_of {
     };
 }
 
+/// The neutral summand: x + -0.0 is x to the last bit for every x, so the compiler removes the addition from
+/// the sum over all effects; x + 0.0 differs where x is -0.0.
+const NONE: f64 = -0.0;
+
+/// Value of an effect at a port at which it does not act.
+macro_rules! neutral {
+    (sum $arguments:tt) => {
+        NONE.into()
+    };
+    (factor $arguments:tt) => {
+        1.0.into()
+    };
+    (least $arguments:tt) => {
+        f64::INFINITY
+    };
+    (chain ($first:ident $($rest:tt)*)) => {
+        $first
+    };
+}
+
 mod ambient_drift;
 mod bridge_drop;
 mod candidate;
@@ -160,14 +180,15 @@ macro_rules! combine {
     };
 }
 
-/// Combination of all effects at one port.
+/// Combination of all effects at one port; an effect that is off is not evaluated.
 macro_rules! one {
     ($(#[$doc:meta])* $rule:ident $name:ident [$($d:ident : $number:ident)?]
         ($($argument:ident : $type:ty),*) $call:tt -> $result:ty, ($($id:ident)*)) => {
         $(#[$doc])*
         #[inline]
         pub fn $name $(<$d: $number>)? (&self, $($argument: $type),*) -> $result {
-            add_up! { $rule $result, $($argument)*, ($(self.$id.$name $call),*) }
+            add_up! { $rule $result, $($argument)*,
+                ($(if self.$id.is_on() { self.$id.$name $call } else { neutral!($rule $call) }),*) }
         }
     };
 }

@@ -26,9 +26,6 @@ impl Effect for ContactDrop {
 
     #[inline]
     fn terminal_voltage<D: Number>(&self, i: D) -> D {
-        if self.V_b == 0.0 {
-            return D::from(0.0);
-        }
         smooth_sign(i, self.I_small) * self.V_b
     }
 }

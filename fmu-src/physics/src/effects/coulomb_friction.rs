@@ -26,9 +26,6 @@ impl Effect for CoulombFriction {
 
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {
-        if self.tau_c == 0.0 {
-            return D::from(0.0);
-        }
         smooth_sign(w, self.w_small) * self.tau_c
     }
 }

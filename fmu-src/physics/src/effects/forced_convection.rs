@@ -61,9 +61,6 @@ impl Effect for ForcedConvection {
     #[inline]
     fn ambient_conductance(&self, flow: f64) -> PerNode {
         let mut conductance = PerNode::default();
-        if self.G == 0.0 {
-            return conductance;
-        }
         let g = match self.driver {
             ConvectionDriver::Constant => self.G,
             ConvectionDriver::FanCommand => self.G * flow,

@@ -23,9 +23,6 @@ impl Effect for HousingRadiation {
 
     #[inline]
     fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {
-        if self.k == 0.0 {
-            return D::from(0.0);
-        }
         let squares = t_h * t_h + t_a * t_a;
         (t_h - t_a) * (t_h + t_a) * squares * self.k
     }

@@ -29,9 +29,6 @@ impl Effect for InterfaceTemperature {
 
     #[inline]
     fn winding_housing_resistance<D: Number>(&self, t_w: D) -> D {
-        if self.beta == 0.0 {
-            return D::from(1.0);
-        }
         let bracket = (t_w - T_REF) * self.beta + 1.0;
         if bracket.re() < LEAST { D::from(LEAST) } else { bracket }
     }

@@ -28,9 +28,6 @@ impl Effect for IronLoss {
 
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {
-        if self.k == 0.0 {
-            return D::from(0.0);
-        }
         w * self.k / (w * w + self.w_small * self.w_small).sqrt().sqrt()
     }
 

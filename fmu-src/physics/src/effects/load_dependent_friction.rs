@@ -32,9 +32,6 @@ impl Effect for LoadDependentFriction {
 
     #[inline]
     fn load_drag<D: Number>(&self, w: D, tau: f64) -> D {
-        if self.mu == 0.0 {
-            return D::from(0.0);
-        }
         smooth_sign(w, self.w_small) * (self.mu * smooth_sign(tau, self.tau_small))
     }
 }

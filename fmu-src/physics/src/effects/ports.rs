@@ -3,8 +3,8 @@
 //! Each port is declared once, in [`ports!`]. The method of [`Effect`], the sum over all effects, the derivative and the activity
 //! are generated from this declaration.
 
-use super::Effects;
 use super::candidate::Candidate;
+use super::{Effects, NONE};
 use crate::number::Number;
 use crate::ports::ports;
 use crate::terms::{Driver, Drivers, GenericTerm, Lag};
@@ -13,78 +13,54 @@ use declare::Group;
 /// A time event that is less than this ahead is due, s: equality of times within rounding.
 pub const IMMINENT: f64 = 1e-9;
 
-/// A value for each thermal node that effects use.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PerNode {
-    /// Winding.
-    pub winding: f64,
-    /// Housing.
-    pub housing: f64,
+/// A pair of values that add up.
+macro_rules! pair {
+    ($(#[$meta:meta])* pub struct $name:ident { $($(#[$doc:meta])* $field:ident),* }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        pub struct $name { $($(#[$doc])* pub $field: f64),* }
+
+        impl std::ops::Add for $name {
+            type Output = $name;
+            #[inline]
+            fn add(self, other: $name) -> $name {
+                $name { $($field: self.$field + other.$field),* }
+            }
+        }
+
+        impl From<f64> for $name {
+            #[inline]
+            fn from(both: f64) -> $name {
+                $name { $($field: both),* }
+            }
+        }
+    };
 }
 
-impl std::ops::Add for PerNode {
-    type Output = PerNode;
-    #[inline]
-    fn add(self, other: PerNode) -> PerNode {
-        PerNode { winding: self.winding + other.winding, housing: self.housing + other.housing }
+pair! {
+    /// A value for each thermal node that effects use.
+    pub struct PerNode {
+        /// Winding.
+        winding,
+        /// Housing.
+        housing
     }
 }
 
-impl From<f64> for PerNode {
-    #[inline]
-    fn from(both: f64) -> PerNode {
-        PerNode { winding: both, housing: both }
+pair! {
+    /// A stator between winding and housing; both values are positive, or both 0.
+    pub struct Stator {
+        /// Thermal resistance to the housing, K/W.
+        resistance,
+        /// Heat capacity, J/K.
+        capacity
     }
-}
-
-/// A stator between winding and housing; both values are positive, or both 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stator {
-    /// Thermal resistance to the housing, K/W.
-    pub resistance: f64,
-    /// Heat capacity, J/K.
-    pub capacity: f64,
-}
-
-impl std::ops::Add for Stator {
-    type Output = Stator;
-    #[inline]
-    fn add(self, other: Stator) -> Stator {
-        Stator { resistance: self.resistance + other.resistance, capacity: self.capacity + other.capacity }
-    }
-}
-
-impl From<f64> for Stator {
-    #[inline]
-    fn from(both: f64) -> Stator {
-        Stator { resistance: both, capacity: both }
-    }
-}
-
-/// The neutral summand: x + -0.0 is x to the last bit for every x, so the compiler removes the addition from
-/// the sum over all effects; x + 0.0 differs where x is -0.0.
-const NONE: f64 = -0.0;
-
-/// Value of an effect at a port at which it does not act.
-macro_rules! neutral {
-    (sum $($argument:ident)*) => {
-        NONE.into()
-    };
-    (factor $($argument:ident)*) => {
-        1.0.into()
-    };
-    (least $($argument:ident)*) => {
-        f64::INFINITY
-    };
-    (chain $first:ident $($argument:ident)*) => {
-        $first
-    };
 }
 
 /// Sum of all effects at a port where none acts.
 macro_rules! inactive {
-    (sum $($argument:ident)*) => { 0.0.into() };
-    ($($other:tt)*) => { neutral!($($other)*) };
+    (sum $arguments:tt) => { 0.0.into() };
+    ($rule:ident $arguments:tt) => { neutral!($rule $arguments) };
 }
 
 macro_rules! define {
@@ -139,7 +115,7 @@ macro_rules! define {
             $($(#[$doc])*
             #[inline]
             fn $name $(<$d: $number>)? (&self, $($argument: $type),*) -> $result {
-                neutral!($rule $($argument)*)
+                neutral!($rule ($($argument),*))
             })*
         }
 
@@ -216,7 +192,7 @@ macro_rules! active {
         #[doc = concat!("[`", stringify!($name), "`](Effect::", stringify!($name), ").")]
         #[inline]
         pub fn $name(&self, $($argument: $type),*) -> $result {
-            if self.acts.at(Port::$port) { self.effects.$name($($argument),*) } else { inactive!($rule $($argument)*) }
+            if self.acts.at(Port::$port) { self.effects.$name($($argument),*) } else { inactive!($rule ($($argument),*)) }
         }
     };
     ([$port:ident] $rule:ident $name:ident ($($argument:ident : $type:ty),*) -> $result:ty, derivative [$slope:ident]) => {

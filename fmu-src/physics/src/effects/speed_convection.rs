@@ -54,9 +54,6 @@ impl Effect for SpeedConvection {
 
     #[inline]
     fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {
-        if self.law.G == 0.0 {
-            return D::from(0.0);
-        }
         let PowerOfSpeed { G, n, w_ref } = self.law;
         (t_h - t_a) * (G * (self.speed.abs() / w_ref).powf(n))
     }

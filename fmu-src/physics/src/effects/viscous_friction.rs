@@ -23,9 +23,6 @@ impl Effect for ViscousFriction {
 
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {
-        if self.k == 0.0 {
-            return D::from(0.0);
-        }
         w * self.k
     }
 }

@@ -24,7 +24,7 @@ impl Effect for WindingSensorStemLoss {
 
     #[inline]
     fn winding_sensor(&self, t: f64, t_a: f64) -> f64 {
-        if self.k == 0.0 { t } else { t - self.k * (t - t_a) }
+        t - self.k * (t - t_a)
     }
 }
 
