@@ -55,15 +55,10 @@ pub struct GenericTerms {
 parameters_of!(GenericTerms: tuning: Tuning);
 
 impl GenericTerms {
-    /// The sum at a port, with `x` for the driver that is evaluated within a step; neutral if no term is on.
-    #[inline(always)]
-    fn along<D: Number>(&self, port: Port, x: D) -> D {
-        if self.is_on() { self.evaluate(port, x) } else { D::from(0.0) }
-    }
-
-    /// Separate from [`along`](Self::along), so that a motor without terms only checks whether there are any.
+    /// The sum at a port, with `x` for the driver that is evaluated within a step. Not inlined, so that a motor without terms only
+    /// checks whether there are any.
     #[inline(never)]
-    fn evaluate<D: Number>(&self, port: Port, x: D) -> D {
+    fn along<D: Number>(&self, port: Port, x: D) -> D {
         let all = self.terms.iter().flatten().enumerate();
         let live = Some((port.live().unwrap_or(Driver::Speed), x));
         let here = all.filter(|(_, term)| term.port == port);
@@ -120,17 +115,11 @@ impl Effect for GenericTerms {
 
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {
-        if !self.is_on() {
-            return D::from(0.0);
-        }
         self.along(Port::DragTorque, w) * smooth_sign(w, self.tuning.w_small)
     }
 
     #[inline]
     fn terminal_voltage<D: Number>(&self, i: D) -> D {
-        if !self.is_on() {
-            return D::from(0.0);
-        }
         self.along(Port::TerminalVoltage, i) * smooth_sign(i, I_SMALL)
     }
 

@@ -32,17 +32,19 @@ pub struct Coefficients {
     pub to_tube: f64,
     /// Conductance from the tube to ambient, W/K.
     pub tube_to_ambient: f64,
-    /// Volume flow rate over the motor, m3/s.
+    /// Fan power that heats the air of the gap, W.
+    pub fan_power: f64,
+    /// Inlet temperature of a coolant, K; `None` for ambient air.
+    pub coolant_inlet: Option<f64>,
+    /// Volume flow rate over the motor, m3/s. Outputs need a full evaluation, so that this and what follows are not linearized.
     pub flow: f64,
     /// Ratio of the air's excess temperature behind the motor to that at the outlet of the last segment: 1, but smaller near
     /// zero flow, where the air behind the motor has ambient temperature.
     pub behind: f64,
     /// Pressure rise of the fan, Pa.
     pub pressure_drop: f64,
-    /// Fan power that heats the air of the gap, W.
-    pub fan_power: f64,
-    /// Inlet temperature of a coolant, K; `None` for ambient air.
-    pub coolant_inlet: Option<f64>,
+    /// Further outputs of a mode, for its [`show`](super::Method::show).
+    pub of_mode: [f64; 2],
 }
 
 impl Coefficients {
@@ -61,6 +63,7 @@ impl Coefficients {
         pressure_drop: 0.0,
         fan_power: 0.0,
         coolant_inlet: None,
+        of_mode: [0.0; 2],
     };
 
     /// Inlet temperature of the flow, K.
@@ -83,9 +86,6 @@ impl Coefficients {
         self.inlet_rise = other.inlet_rise;
         self.to_tube = other.to_tube;
         self.tube_to_ambient = other.tube_to_ambient;
-        self.flow = other.flow;
-        self.behind = other.behind;
-        self.pressure_drop = other.pressure_drop;
         self.fan_power = other.fan_power;
         self.coolant_inlet = other.coolant_inlet;
     }
@@ -102,9 +102,6 @@ impl Coefficients {
         self.m_flow_cp += z * slope.m_flow_cp;
         self.to_tube += z * slope.to_tube;
         self.tube_to_ambient += z * slope.tube_to_ambient;
-        self.flow += z * slope.flow;
-        self.behind += z * slope.behind;
-        self.pressure_drop += z * slope.pressure_drop;
         self.fan_power += z * slope.fan_power;
         // The rise is computed from the fan power and the heat capacity rate, so that energy is conserved.
         self.inlet_rise = if self.m_flow_cp > 0.0 { self.fan_power / self.m_flow_cp } else { 0.0 };

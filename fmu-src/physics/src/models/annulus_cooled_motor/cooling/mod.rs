@@ -24,9 +24,9 @@ use declare::enumeration;
 /// Item = number, "name": Method [, field: Part = "prefix." @ base];
 /// ```
 ///
-/// with the method, and the parameters of the part that the mode adds to the motor. A line of the inputs has two changes, each absolute
-/// and as a fraction of the value: from the first on the coefficients are evaluated again, the second is the largest over a substep,
-/// over which the inputs of the cooling are constant.
+/// with the method, and the parameters of the part that the mode adds to the motor. A line of the inputs has two changes as functions of
+/// the value: from the first on the coefficients are evaluated again, the second is the largest over a substep, over which the inputs of
+/// the cooling are constant.
 macro_rules! cooling {
     (modes { $($(#[doc = $doc:literal])* $mode:ident = $value:literal, $name:literal: $method:expr
         $(, $field:ident: $part:ty = $prefix:literal @ $base:literal)?;)* }
@@ -88,10 +88,10 @@ macro_rules! cooling {
     };
 }
 
-/// A change of a value: absolute, and as a fraction of it.
+/// A change as a function of the value.
 #[inline(always)]
-fn change([absolute, relative]: [f64; 2], value: f64) -> f64 {
-    relative * value + absolute
+fn change(of: impl Fn(f64) -> f64, value: f64) -> f64 {
+    of(value)
 }
 
 cooling! {
@@ -112,12 +112,12 @@ cooling! {
     }
     inputs {
         // Pa
-        ambient_pressure: [0.0, 0.0], [500.0, 0.0];
+        ambient_pressure: |_| 0.0, |_| 500.0;
         // For a flow that is a power of the command, the linearization has an error of 1e-4 at the first change.
-        fan_command: [0.0, 0.02], [0.02, 0.0];
+        fan_command: |n| 0.02 * n, |_| 0.02;
         // K; the properties of water change by 2 % per kelvin.
-        coolant_inlet_temperature: [0.02, 0.0], [0.25, 0.0];
+        coolant_inlet_temperature: |_| 0.02, |_| 0.25;
         // m3/s
-        coolant_flow_rate: [0.0, 0.0], [1e-8, 0.02];
+        coolant_flow_rate: |_| 0.0, |q| 0.02 * q + 1e-8;
     }
 }
