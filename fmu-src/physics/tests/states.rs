@@ -1,9 +1,11 @@
 //! States and rates say what steps do, in every mode, and states that were set are those that come back.
 
 use crate::common::{cooling_modes, motor};
+use physics::declare::Causality;
 use physics::effects::Effects;
+use physics::exchange::Exchange;
 use physics::model::Model;
-use physics::models::annulus_cooled_motor::{DriveMode, MechanicalMode};
+use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
 use physics::models::brushed_gearmotor::BrushedGearmotor;
 use physics::solver::split::Split;
 
@@ -112,6 +114,36 @@ fn a_saved_motor_goes_on_with_the_step_that_served() {
         let saved = go(&mut *model, 0, 5);
         assert!(other.restore(&saved));
         assert_eq!(bits(go(&mut *model, 5, 9)), bits(go(&mut *other, 5, 9)), "{input}");
+    }
+}
+
+/// All outputs of a motor in Model Exchange, to the bit, in every cooling mode: before and after it is restored, and whether or not the
+/// cooling was evaluated for the derivatives just before.
+#[test]
+fn a_restored_motor_shows_the_same_outputs() {
+    let outputs = |m: &mut AnnulusCooledMotor| -> Vec<u64> {
+        let entries = m.declaration().entries.iter().filter(|e| e.row.causality == Causality::Output);
+        entries.map(|e| m.get(e.slot).to_bits()).collect()
+    };
+    for cooling in cooling_modes() {
+        let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
+        m.parameters.choices.cooling_mode = cooling;
+        m.parameters.initial.housing_temperature = 340.0;
+        (m.inputs.current_command, m.inputs.imposed_speed) = (6.0, 300.0);
+        (m.inputs.fan_command, m.inputs.coolant_flow_rate) = (0.7, 1e-5);
+        m.start(0.0).unwrap();
+        m.enter_model_exchange();
+        let shown = outputs(&mut m);
+        m.derivatives(&mut []).unwrap();
+        assert_eq!(outputs(&mut m), shown, "{cooling:?}: after the derivatives");
+        m.update();
+        assert_eq!(outputs(&mut m), shown, "{cooling:?}: after an event");
+        let (mut saved, mut other) = (Vec::new(), AnnulusCooledMotor::default());
+        m.save(&mut saved);
+        other.parameters = m.parameters;
+        other.inputs = m.inputs;
+        assert!(other.restore(&saved));
+        assert_eq!(outputs(&mut other), shown, "{cooling:?}: restored");
     }
 }
 

@@ -36,7 +36,7 @@ pub struct Coefficients {
     pub fan_power: f64,
     /// Inlet temperature of a coolant, K; `None` for ambient air.
     pub coolant_inlet: Option<f64>,
-    /// Volume flow rate over the motor, m3/s. Outputs need a full evaluation, so that this and what follows are not linearized.
+    /// Volume flow rate over the motor, m3/s. Outputs are read at the conditions of an evaluation: this and what follows are not linearized.
     pub flow: f64,
     /// Ratio of the air's excess temperature behind the motor to that at the outlet of the last segment: 1, but smaller near
     /// zero flow, where the air behind the motor has ambient temperature.
@@ -88,6 +88,8 @@ impl Coefficients {
         self.tube_to_ambient = other.tube_to_ambient;
         self.fan_power = other.fan_power;
         self.coolant_inlet = other.coolant_inlet;
+        (self.flow, self.behind) = (other.flow, other.behind);
+        (self.pressure_drop, self.of_mode) = (other.pressure_drop, other.of_mode);
     }
 
     /// Adds `z` times `slope` for the first `n` segments.
