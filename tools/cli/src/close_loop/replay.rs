@@ -33,16 +33,16 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
     let of_role = || experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role);
     let mut replayed: Vec<String> = of_role().map(|(r, _)| r.file.clone()).collect();
     replayed.dedup();
-    let (_, first) = exported.archives.first().ok_or_else(|| Failure::new("no archive was exported"))?;
-    let first = Archive::open(first)?;
+    let open = |(standard, path): &(Standard, PathBuf)| Ok((*standard, Archive::open(path)?));
+    let archives = exported.archives.iter().map(open).collect::<Result<Vec<_>, Failure>>()?;
+    let (_, first) = archives.first().ok_or_else(|| Failure::new("no archive was exported"))?;
     let starts = |setting: &Setting| differences(experiment, setting, outcome, exported, first.description());
-    let replay_one = |(standard, path): &(Standard, PathBuf)| -> Result<Vec<ReplayedChannel>, Failure> {
-        let archive = Archive::open(path)?;
+    let replay_one = |(standard, archive): &(Standard, Archive)| -> Result<Vec<ReplayedChannel>, Failure> {
         let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
         for (run, setting) in of_role() {
             let drive = Drive::new(experiment, run)?;
             let shown = if carries(setting, outcome) {
-                shown(&archive, &starts(setting), experiment, &drive)?
+                shown(archive, &starts(setting), experiment, &drive)?
             } else {
                 // A run with its own terms needs a separate archive.
                 let folder =
@@ -79,7 +79,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         }
         Ok(channels)
     };
-    let channels = exported.archives.par_iter().map(replay_one).collect::<Result<Vec<_>, _>>()?.concat();
+    let channels = archives.par_iter().map(replay_one).collect::<Result<Vec<_>, _>>()?.concat();
     let greatest = |of: fn(&ReplayedChannel) -> f64| {
         // One that is no number is the worst.
         channels
