@@ -194,7 +194,8 @@ fn choose(names: &[String]) -> Outcome<Vec<&'static Mutant>> {
 
 /// Builds the tests in a folder. They share our target folder, so only crates of ours are compiled.
 fn compile(workspace: &Workspace, root: &Path, packages: &BTreeSet<&str>) -> Outcome<Vec<Program>> {
-    let mut build = workspace.cargo(&["test", "--release", "--no-run", "--message-format", "json"]);
+    let mut build =
+        workspace.cargo(&["test", "--release", "--no-run", "--message-format", "json-render-diagnostics"]);
     build.args(["--lib", "--tests"]).args(packages.iter().flat_map(|p| ["--package", p]));
     build.current_dir(root).env("CARGO_TARGET_DIR", &workspace.target);
     let messages = shell::output(&mut build).map_err(|e| format!("the mutants do not compile: {e}"))?;
@@ -232,9 +233,18 @@ mod tests {
         let workspace = Workspace::find().unwrap();
         let all: Vec<&Mutant> = table::all().collect();
         for (file, mutants) in schema::by_file(&all) {
-            schema::mutated(&crate::files::read(&root.join(file)).unwrap(), &mutants).unwrap();
+            let text = schema::mutated(&crate::files::read(&root.join(file)).unwrap(), &mutants).unwrap();
+            // The choice between two expressions is an expression; of anything else it is no Rust.
+            assert!(syn::parse_file(&text).is_ok(), "a mutant of {file} is no expression");
         }
         for mutant in table::all() {
+            for text in [&mutant.text, &mutant.replacement] {
+                assert!(
+                    syn::parse_str::<syn::Expr>(text).is_ok(),
+                    "{}: {text:?} is no expression",
+                    mutant.name
+                );
+            }
             assert_ne!(mutant.text, mutant.replacement, "{}", mutant.name);
             assert!(workspace.packages.iter().any(|p| p.name == mutant.package()), "{}", mutant.file);
         }
