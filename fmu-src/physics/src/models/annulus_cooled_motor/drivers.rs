@@ -1,7 +1,9 @@
 //! Drivers of the terms, temperature sensor of the housing, and initial state.
 
+use super::equations::Constants;
 use super::motor::{AnnulusCooledMotor, Motor};
 use super::network::Network;
+use super::parameters::Parameters;
 use super::variables::{DriveMode, MechanicalMode};
 use crate::components::initial::temperature;
 use crate::components::sensor::lagged;
@@ -40,18 +42,27 @@ impl AnnulusCooledMotor {
     }
 
     fn follow_capacity(&mut self) {
-        let effects = &self.parameters.effects;
-        let factor = if effects.acts_at(Port::HeatCapacity) { effects.heat_capacity() } else { 1.0 };
-        if factor != self.own.capacity_factor {
-            let before = self.own.constants.heat(&self.own.state.temperature, self.own.t_start);
+        if let Some(factor) = self.capacity_change(&self.parameters) {
+            let before = self.own.constants;
             self.own.capacity_factor = factor;
             self.follow_parameters();
-            // In Model Exchange the stored energy is corrected only when the importer completes a step (`exchange.rs`).
-            if self.pre.is_none() {
-                self.own.stored_at_start +=
-                    self.own.constants.heat(&self.own.state.temperature, self.own.t_start) - before;
-            }
+            self.own.stored_at_start -= self.heat_gain(&before);
         }
+    }
+
+    /// The factor on the heat capacities with these parameters, if it has changed.
+    #[inline]
+    pub(super) fn capacity_change(&self, parameters: &Parameters) -> Option<f64> {
+        let effects = &parameters.effects;
+        let factor = if effects.acts_at(Port::HeatCapacity) { effects.heat_capacity() } else { 1.0 };
+        (factor != self.own.capacity_factor).then_some(factor)
+    }
+
+    /// Heat stored with other heat capacities minus that with the present ones, J; 0 in Model Exchange, where the stored energy is
+    /// corrected only when the importer completes a step (`accept_step`).
+    pub(super) fn heat_gain(&self, other: &Constants) -> f64 {
+        let heat = |c: &Constants| c.heat(&self.own.state.temperature, self.own.t_start);
+        if self.pre.is_none() { heat(other) - heat(&self.own.constants) } else { 0.0 }
     }
 
     /// Whether an effect depends on drivers that follow the states and are constant over a step.
@@ -109,18 +120,22 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Present drivers of the terms, including heat flows.
-    pub(super) fn drivers_with_heat(&self) -> Drivers {
-        let [copper_loss, friction_loss] = self.equations().heat_flows(&self.own.state);
+    /// Present drivers of the terms, with these heat flows.
+    pub(super) fn drivers_with(&self, [copper_loss, friction_loss]: [f64; 2]) -> Drivers {
         Drivers { copper_loss, friction_loss, ..self.drivers_over(self.time, 0.0) }
     }
 
     /// Present input of each term's lag; 0 without a lag.
     pub(super) fn lag_sources(&self) -> [f64; MOST_TERMS] {
+        self.lag_sources_with(|| self.equations().heat_flows(&self.own.state))
+    }
+
+    /// The same with the heat flows from elsewhere.
+    pub(super) fn lag_sources_with(&self, heat_flows: impl FnOnce() -> [f64; 2]) -> [f64; MOST_TERMS] {
         let effects = &self.parameters.effects;
         let lags: [Option<Lag>; MOST_TERMS] = std::array::from_fn(|k| effects.lag(k));
         let is_heat = lags.iter().flatten().any(|lag| lag.driver.is_heat());
-        let drivers = if is_heat { self.drivers_with_heat() } else { self.drivers_over(self.time, 0.0) };
+        let drivers = self.drivers_with(if is_heat { heat_flows() } else { [0.0; 2] });
         lags.map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
     }
 

@@ -10,6 +10,7 @@ mod initial;
 mod motor;
 pub mod network;
 mod parameters;
+mod reading;
 mod state_list;
 mod states;
 mod stepping;

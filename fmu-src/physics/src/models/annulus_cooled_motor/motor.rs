@@ -1,5 +1,5 @@
-//! The motor as [`Equations`] of the runtime: its state, outputs and events. `states.rs` has the continuous states, `stepping.rs`
-//! the steps, `drivers.rs` the drivers of terms, the sensor and the initial state.
+//! The motor as [`Equations`] of the runtime: its state, outputs and events. `states.rs` has the continuous states, `reading.rs` their
+//! derivatives, `stepping.rs` the steps, `drivers.rs` the drivers of terms, the sensor and the initial state.
 
 use super::equations::{Constants, NODES, Step, Temperatures};
 use super::network::{Body, Network};
@@ -114,16 +114,28 @@ impl AnnulusCooledMotor {
     /// The equations with the cached cooling.
     #[inline]
     pub(super) fn equations(&self) -> Step<'_> {
-        let is_kept = self.own.network.is_some() || self.own.fan.0 == self.inputs.fan_command;
-        let fan = if is_kept { self.own.fan.1 } else { self.parameters.to_ambient(self.inputs.fan_command) };
-        let mut step =
-            Step::new(&self.parameters, &self.own.constants, &self.inputs, &self.slopes, fan, self.time);
+        let own = &self.own;
+        self.equations_of(&self.parameters, &own.constants, own.network.as_ref(), own.fan)
+    }
+
+    /// The equations in the present state with other parameters, and what follows from them.
+    #[inline]
+    pub(super) fn equations_of<'a>(
+        &'a self,
+        parameters: &'a Parameters,
+        constants: &'a Constants,
+        network: Option<&Network>,
+        fan: (f64, PerNode),
+    ) -> Step<'a> {
+        let is_kept = network.is_some() || fan.0 == self.inputs.fan_command;
+        let fan = if is_kept { fan.1 } else { parameters.to_ambient(self.inputs.fan_command) };
+        let mut step = Step::new(parameters, constants, &self.inputs, &self.slopes, fan, self.time);
         step.excess = self.excess();
         if let Some(pre) = &self.pre {
             step = step.with_strength_since(pre.since).with_open_switches(pre.discrete.idle);
         }
-        if self.own.network.is_some() {
-            step.couple(self.coupling());
+        if let Some(network) = network {
+            step.couple(self.coupling(parameters, network));
         }
         step
     }
@@ -150,22 +162,6 @@ impl AnnulusCooledMotor {
             (_, Some(body)) => Some(Network::new(&self.parameters, body, self.own.state.temperature[1])),
             (_, None) => None,
         };
-    }
-
-    /// Result of `look` at the present time with the drivers set and, if `cooled`, the cooling by its full equations. The motor
-    /// is unchanged: linearized cooling and constant drivers belong to the steps, and reading an output must not change them.
-    pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Self) -> T) -> T {
-        let is_told = self.parameters.effects.acts_at(Port::Any);
-        let is_cooled = self.own.network.as_ref().is_none_or(|n| {
-            self.pre.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
-        });
-        if !is_told && (is_cooled || !cooled) {
-            return look(self);
-        }
-        let mut copy = self.clone();
-        copy.set_drivers(copy.time);
-        copy.evaluate_cooling();
-        look(&copy)
     }
 
     /// Temperatures with limits of validity.
@@ -253,7 +249,7 @@ impl Equations<ALL> for Motor {
 
     fn outputs(run: &AnnulusCooledMotor, (): &()) -> Outputs {
         let mut outputs =
-            run.observe(false, |m| m.equations().outputs(&m.own.state, m.own.t_sensor, &m.own.phases));
+            run.observe(false, |now| now.step.outputs(&run.own.state, run.own.t_sensor, &run.own.phases));
         if let Some(pre) = &run.pre {
             outputs.over_temperature = pre.discrete.over_temperature;
         }
@@ -280,13 +276,13 @@ impl Equations<ALL> for Motor {
 
     /// The power at the terminals needs no evaluation of the cooling.
     fn flow(run: &AnnulusCooledMotor, row: usize) -> Option<f64> {
-        (row == POWER_ROW).then(|| run.observe(false, |m| m.equations().power_electrical(&m.own.state)))
+        (row == POWER_ROW).then(|| run.observe(false, |now| now.step.power_electrical(&run.own.state)))
     }
 
     fn balance(run: &AnnulusCooledMotor, (): &()) -> EnergyBalance {
-        run.observe(true, |m| {
-            let start = (m.own.t_start, m.own.stored_at_start);
-            m.equations().energy_balance(&m.own.state, start, m.own.network.as_ref())
+        run.observe(true, |now| {
+            let start = (run.own.t_start, now.stored_at_start);
+            now.step.energy_balance(&run.own.state, start, now.network)
         })
     }
 
@@ -357,12 +353,12 @@ impl Equations<ALL> for Motor {
     fn rates(run: &AnnulusCooledMotor, (): &()) -> Result<[f64; ALL], Fault> {
         match &run.own.fault {
             Some(fault) => Err(Fault(fault.clone())),
-            None => Ok(run.observe(true, AnnulusCooledMotor::rates_as_told)),
+            None => Ok(run.observe(true, |now| now.rates())),
         }
     }
 
     fn coupled_rates(run: &AnnulusCooledMotor, (): &()) -> [f64; ALL] {
-        run.observe(true, AnnulusCooledMotor::rates_of_heat_and_motion)
+        run.observe(true, |now| now.rates_of_heat_and_motion())
     }
 
     fn next_event(run: &AnnulusCooledMotor, time: f64) -> f64 {
@@ -459,10 +455,10 @@ impl Equations<ALL> for Motor {
     }
 
     fn housing_heat(run: &AnnulusCooledMotor) -> Option<HousingHeat> {
-        Some(run.observe(true, |m| m.equations().housing_heat(&m.own.state, m.own.network.as_ref())))
+        Some(run.observe(true, |now| now.step.housing_heat(&run.own.state, now.network)))
     }
 
     fn drivers(run: &AnnulusCooledMotor) -> Drivers {
-        run.observe(false, AnnulusCooledMotor::drivers_with_heat)
+        run.observe(false, |now| run.drivers_with(now.step.heat_flows(&run.own.state)))
     }
 }

@@ -1,15 +1,14 @@
-//! The continuous states and their derivatives at one instant, for Model Exchange.
+//! The continuous states: values, and which of them are in use; `reading.rs` has their derivatives.
 //!
 //! The list in `state_list.rs` is the same in every mode. A state that a mode does not use is constant: current or speed
 //! if an input imposes it, absent network nodes, a housing sensor without lag, phases that share the current evenly.
 
 use super::motor::AnnulusCooledMotor;
 use super::state_list::{
-    ALL, ANGLE, All, CORE, CURRENT, ENERGIES, HOUSING, LAGS, PHASES, ROTOR, SENSOR, SPEED, TUBE, WINDING,
+    ANGLE, All, CORE, CURRENT, ENERGIES, HOUSING, LAGS, PHASES, ROTOR, SENSOR, SPEED, TUBE, WINDING,
 };
 use super::variables::{DriveMode, MechanicalMode};
 use crate::components::commutation::Commutation;
-use crate::solver::split::System;
 
 impl AnnulusCooledMotor {
     /// Scale of a lag state.
@@ -82,70 +81,10 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Derivatives of all states; zero for states that are not in use.
-    pub(super) fn rates_as_told(&self) -> All {
-        let mut all = self.rates_of_heat_and_motion();
-        let (x, temperature) = (self.own.state.x, self.own.state.temperature);
-        let step = self.equations();
-        let point = step.point(0.0, &x, &temperature);
-        let to_ambient = match &self.own.network {
-            None => point.to_ambient,
-            Some(network) => {
-                let friction = step.drag_beyond(&x, &temperature);
-                let ambient = step.ambient_at_start();
-                let rates =
-                    network.rates_now(ambient, &network.inflow(temperature[0], temperature[1], friction));
-                network.to_ambient(&rates) + step.leads(temperature[0], network) + point.drive
-            }
-        };
-        all[ANGLE] = x[1];
-        all[ENERGIES..LAGS].copy_from_slice(&[point.power_in, point.shaft_torque * x[1], to_ambient]);
-        all[PHASES..ENERGIES].copy_from_slice(&self.phase_rates());
-        for (k, rate) in all.iter_mut().enumerate() {
-            if !self.moves(k) {
-                *rate = 0.0;
-            }
-        }
-        all
-    }
-
     /// Rate of change of the hottest phase's temperature, K/s.
     pub(super) fn warming(&self, rates: &All) -> f64 {
         let hottest = (0..self.own.phases.above.len())
             .max_by(|&a, &b| self.own.phases.above[a].total_cmp(&self.own.phases.above[b]));
         rates[WINDING] + hottest.map_or(0.0, |k| rates[PHASES + k])
-    }
-
-    /// Derivatives of the coupled states.
-    pub(super) fn rates_of_heat_and_motion(&self) -> All {
-        let mut all = [0.0; ALL];
-        let (x, temperature) = (self.own.state.x, self.own.state.temperature);
-        let step = self.equations();
-        let fast = step.fast_rates(0.0, &x, &temperature);
-        let warming = step.network_rates(0.0, &temperature)
-            + step.heat_rates(0.0, &x, &temperature).component_mul(step.inverse_capacity());
-        let friction = step.drag_beyond(&x, &temperature);
-        let ambient = step.ambient_at_start();
-        (all[CURRENT], all[SPEED]) = (fast[0], fast[1]);
-        (all[WINDING], all[CORE]) = (warming[0], warming[1]);
-        if let Some(network) = &self.own.network {
-            let rates = network.rates_now(ambient, &network.inflow(temperature[0], temperature[1], friction));
-            (all[ROTOR], all[TUBE]) = (rates[0], rates[1]);
-            let n = network.body.segments;
-            all[HOUSING..HOUSING + n].copy_from_slice(&rates[2..2 + n]);
-        }
-        if self.lags() {
-            let tau = self.parameters.effects.housing_sensor_lag();
-            all[SENSOR] = (self.housing_temperature() - self.own.t_sensor) / tau;
-        }
-        if self.parameters.effects.has_lags() {
-            let sources = self.lag_sources();
-            for (k, source) in sources.iter().enumerate() {
-                if let Some(lag) = self.parameters.effects.lag(k) {
-                    all[LAGS + k] = (source - self.own.term_lags[k]) / (lag.tau * lag.driver.nominal());
-                }
-            }
-        }
-        all
     }
 }

@@ -233,10 +233,9 @@ impl AnnulusCooledMotor {
         commutation.shares(angle, angle)
     }
 
-    /// Derivatives of the phase temperatures relative to the mean winding temperature, K/s.
-    pub(super) fn phase_rates(&self) -> [f64; PHASES] {
-        let load = self.equations().phase_load(0.0, &self.own.state);
-        self.own.phases.rates(&load, &self.shares_now())
+    /// Derivatives of the phase temperatures relative to the mean winding temperature with these equations, K/s.
+    pub(super) fn phase_rates(&self, step: &Step) -> [f64; PHASES] {
+        self.own.phases.rates(&step.phase_load(0.0, &self.own.state), &self.shares_now())
     }
 
     /// Temperature of the conducting phases above the mean winding temperature at the midpoint of the next `h` seconds, K. With
@@ -257,9 +256,15 @@ impl AnnulusCooledMotor {
 
     /// True ambient temperature over a substep that starts at `time`, K.
     pub(super) fn ambient(&self, time: f64) -> Line {
+        self.ambient_of(&self.parameters, time)
+    }
+
+    /// The same with other parameters.
+    #[inline]
+    pub(super) fn ambient_of(&self, parameters: &Parameters, time: f64) -> Line {
         let drift = self.own.constants.drift();
         Line {
-            start: self.inputs.ambient_temperature + drift * time + self.parameters.effects.ambient_offset(),
+            start: self.inputs.ambient_temperature + drift * time + parameters.effects.ambient_offset(),
             slope: self.slopes.ambient_temperature + drift,
         }
     }
@@ -275,23 +280,10 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Evaluates the cooling by its full equations at the present time.
-    pub(super) fn evaluate_cooling(&mut self) {
-        let ambient = self.ambient(self.time).start;
-        let steps = self.pre.is_none();
-        if let Some(network) = &mut self.own.network {
-            if steps {
-                network.forget();
-            }
-            network.evaluate(&self.parameters, &self.inputs, ambient);
-        }
-    }
-
-    /// Thermal coupling of winding and core to the network at the present time.
-    pub(super) fn coupling(&self) -> ThermalCoupling {
-        let Some(network) = &self.own.network else { return ThermalCoupling::default() };
-        let fan_conductance = fan_conductance(&self.parameters, self.inputs.fan_command);
-        coupling(network, fan_conductance, self.ambient(self.time), None)
+    /// Thermal coupling of winding and core to a network at the present time.
+    pub(super) fn coupling(&self, parameters: &Parameters, network: &Network) -> ThermalCoupling {
+        let fan_conductance = fan_conductance(parameters, self.inputs.fan_command);
+        coupling(network, fan_conductance, self.ambient_of(parameters, self.time), None)
     }
 }
 

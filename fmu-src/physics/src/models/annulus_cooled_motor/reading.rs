@@ -1,0 +1,122 @@
+//! Reading of outputs and derivatives between the steps, which leaves the motor as it is.
+//!
+//! Steps use linearized cooling and constant drivers of terms. What is read is evaluated by the full equations with the present drivers,
+//! from copies of the parameters and, if there is one, the network.
+
+use super::equations::{Constants, Step};
+use super::motor::AnnulusCooledMotor;
+use super::network::Network;
+use super::state_list::{
+    ALL, ANGLE, All, CORE, CURRENT, ENERGIES, HOUSING, LAGS, PHASES, ROTOR, SENSOR, SPEED, TUBE, WINDING,
+};
+use crate::effects::{PerNode, Port};
+use crate::solver::split::System;
+
+/// The motor at the present time, as outputs and derivatives see it.
+pub(super) struct Reading<'a> {
+    pub(super) run: &'a AnnulusCooledMotor,
+    /// The equations with the present drivers.
+    pub(super) step: Step<'a>,
+    /// The network with the present coefficients.
+    pub(super) network: Option<&'a Network>,
+    /// Energy stored at the start, J, with the present heat capacities.
+    pub(super) stored_at_start: f64,
+}
+
+impl AnnulusCooledMotor {
+    /// Result of `look` at the present time with the drivers set and, if `cooled`, the cooling by its full equations. The motor
+    /// is unchanged: linearized cooling and constant drivers belong to the steps, and reading an output must not change them.
+    pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Reading) -> T) -> T {
+        let own = &self.own;
+        let is_told = self.parameters.effects.acts_at(Port::Any);
+        let is_cooled = own.network.as_ref().is_none_or(|n| {
+            self.pre.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
+        });
+        if !is_told && (is_cooled || !cooled) {
+            let (step, network) = (self.equations(), own.network.as_ref());
+            return look(&Reading { run: self, step, network, stored_at_start: own.stored_at_start });
+        }
+        let mut parameters = self.parameters;
+        let cools = is_told && parameters.effects.set_drivers(&self.drivers_over(self.time, 0.0));
+        let fan = if cools { (f64::NAN, PerNode::default()) } else { own.fan };
+        let (mut constants, mut stored_at_start) = (None, own.stored_at_start);
+        if let Some(factor) = self.capacity_change(&parameters) {
+            let changed = Constants::of(&parameters).with_capacity(factor);
+            stored_at_start += self.heat_gain(&changed);
+            constants = Some(changed);
+        }
+        let constants = constants.as_ref().unwrap_or(&own.constants);
+        let mut network = own.network.clone();
+        if let Some(network) = &mut network {
+            if cools || self.pre.is_none() {
+                network.forget();
+            }
+            let ambient = self.ambient_of(&parameters, self.time).start;
+            network.evaluate(&parameters, &self.inputs, ambient);
+        }
+        let step = self.equations_of(&parameters, constants, network.as_ref(), fan);
+        look(&Reading { run: self, step, network: network.as_ref(), stored_at_start })
+    }
+}
+
+impl Reading<'_> {
+    /// Derivatives of all states; zero for states that are not in use.
+    pub(super) fn rates(&self) -> All {
+        let Reading { run, step, network, .. } = self;
+        let mut all = self.rates_of_heat_and_motion();
+        let (x, temperature) = (run.own.state.x, run.own.state.temperature);
+        let point = step.point(0.0, &x, &temperature);
+        let to_ambient = match network {
+            None => point.to_ambient,
+            Some(network) => {
+                let friction = step.drag_beyond(&x, &temperature);
+                let ambient = step.ambient_at_start();
+                let rates =
+                    network.rates_now(ambient, &network.inflow(temperature[0], temperature[1], friction));
+                network.to_ambient(&rates) + step.leads(temperature[0], network) + point.drive
+            }
+        };
+        all[ANGLE] = x[1];
+        all[ENERGIES..LAGS].copy_from_slice(&[point.power_in, point.shaft_torque * x[1], to_ambient]);
+        all[PHASES..ENERGIES].copy_from_slice(&run.phase_rates(step));
+        for (k, rate) in all.iter_mut().enumerate() {
+            if !run.moves(k) {
+                *rate = 0.0;
+            }
+        }
+        all
+    }
+
+    /// Derivatives of the coupled states.
+    pub(super) fn rates_of_heat_and_motion(&self) -> All {
+        let Reading { run, step, network, .. } = self;
+        let mut all = [0.0; ALL];
+        let (x, temperature) = (run.own.state.x, run.own.state.temperature);
+        let fast = step.fast_rates(0.0, &x, &temperature);
+        let warming = step.network_rates(0.0, &temperature)
+            + step.heat_rates(0.0, &x, &temperature).component_mul(step.inverse_capacity());
+        let friction = step.drag_beyond(&x, &temperature);
+        let ambient = step.ambient_at_start();
+        (all[CURRENT], all[SPEED]) = (fast[0], fast[1]);
+        (all[WINDING], all[CORE]) = (warming[0], warming[1]);
+        if let Some(network) = network {
+            let rates = network.rates_now(ambient, &network.inflow(temperature[0], temperature[1], friction));
+            (all[ROTOR], all[TUBE]) = (rates[0], rates[1]);
+            let n = network.body.segments;
+            all[HOUSING..HOUSING + n].copy_from_slice(&rates[2..2 + n]);
+        }
+        if run.lags() {
+            let tau = run.parameters.effects.housing_sensor_lag();
+            all[SENSOR] = (run.housing_temperature() - run.own.t_sensor) / tau;
+        }
+        if run.parameters.effects.has_lags() {
+            let sources = run.lag_sources_with(|| step.heat_flows(&run.own.state));
+            for (k, source) in sources.iter().enumerate() {
+                if let Some(lag) = run.parameters.effects.lag(k) {
+                    all[LAGS + k] = (source - run.own.term_lags[k]) / (lag.tau * lag.driver.nominal());
+                }
+            }
+        }
+        all
+    }
+}
