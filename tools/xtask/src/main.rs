@@ -38,7 +38,10 @@ enum Command {
     /// Run the everyday tests: sources, Rust, FMUs, Python, mutants of changed files.
     Test,
     /// Run all tests: also removals, all mutants, fuzz, cross, importers, page, wheel, blind, bench.
-    Nightly,
+    Nightly {
+        /// Stages, by default all.
+        stages: Vec<String>,
+    },
     /// Format, lints, dependency arrows, file lengths, generated files.
     Tidy,
     /// Write model-description/.
@@ -107,7 +110,7 @@ fn run(workspace: &Workspace, command: &Command) -> Outcome {
     match command {
         Command::Demo(Force { force }) => demo::run(workspace, *force),
         Command::Test => test::run(workspace),
-        Command::Nightly => nightly::run(workspace),
+        Command::Nightly { stages } => nightly::run(workspace, stages),
         Command::Tidy => tidy::run(workspace),
         Command::Describe { check: true } => describe::check(workspace),
         Command::Describe { check: false } => describe::run(workspace, &[]),

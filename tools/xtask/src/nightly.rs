@@ -9,26 +9,67 @@ use crate::{
 };
 use clap::Parser;
 
-/// What `test` leaves out, the quick ones first; each is a command of its own.
-const LONGER: [&str; 7] = ["fuzz", "cross", "importers", "page", "wheel", "blind", "bench"];
+/// The stages, the quick ones first: the tests of every day with the longer ones, then what `test` leaves out.
+const STAGES: [&str; 11] = [
+    "tests",
+    "diffsol",
+    "removals",
+    "mutants",
+    "fuzz",
+    "cross",
+    "importers",
+    "page",
+    "wheel",
+    "blind",
+    "bench",
+];
 
-/// Runs all stages.
-pub fn run(workspace: &Workspace) -> Outcome {
+/// Runs the stages named, or all.
+pub fn run(workspace: &Workspace, names: &[String]) -> Outcome {
+    if let Some(name) = names.iter().find(|name| !STAGES.contains(&name.as_str())) {
+        return Err(format!("there is no stage {name:?}; there are {}", STAGES.join(", ")));
+    }
     let mut stages = Stages::default();
-    test::common(workspace, Extent::Full, &mut stages);
-    stages.run("physics against diffsol", || {
-        let mut command =
-            workspace.cargo(&["test", "--release", "--package", "physics", "--package", "reference"]);
-        shell::run(command.args(["--test", "all", "--features", "reference/diffsol"]))
-    });
-    stages.keeping("removals", || mutants::removal::summary(workspace));
-    stages.keeping("mutants", || mutants::all(workspace));
-    for name in LONGER {
-        stages.run(name, || match name {
-            "page" => page::test(workspace),
-            "wheel" => wheel::test(workspace),
-            _ => crate::run(workspace, &Command::parse_from(["xtask", name])),
-        });
+    for name in STAGES.into_iter().filter(|own| names.is_empty() || names.iter().any(|name| name == own)) {
+        match name {
+            "tests" => test::common(workspace, Extent::Full, &mut stages),
+            "diffsol" => {
+                stages.run("physics against diffsol", || diffsol(workspace));
+            }
+            "removals" => {
+                stages.keeping(name, || mutants::removal::summary(workspace));
+            }
+            "mutants" => {
+                stages.keeping(name, || mutants::all(workspace));
+            }
+            "page" => {
+                stages.run(name, || page::test(workspace));
+            }
+            "wheel" => {
+                stages.run(name, || wheel::test(workspace));
+            }
+            // A command of its own.
+            _ => {
+                stages.run(name, || crate::run(workspace, &Command::parse_from(["xtask", name])));
+            }
+        }
     }
     stages.finish()
+}
+
+fn diffsol(workspace: &Workspace) -> Outcome {
+    let mut command =
+        workspace.cargo(&["test", "--release", "--package", "physics", "--package", "reference"]);
+    shell::run(command.args(["--test", "all", "--features", "reference/diffsol"]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_stage_is_an_error() {
+        let error = run(&Workspace::find().unwrap(), &["blnd".into()]).unwrap_err();
+        assert!(error.contains("blnd") && error.contains("blind"), "{error}");
+    }
 }
