@@ -29,7 +29,7 @@ pub fn run(workspace: &Workspace, one: &Target, runner: &[String], target: &Path
             let here = target.join("here.csv");
             let mut native = product::motor_fmu(workspace);
             native.arg("simulate").arg(file(&target.join("here")));
-            native.args(["--stop", RUN[0], "--step", RUN[1], "--output"]).arg(&here);
+            native.args(["--stop", RUN[0], "--step", RUN[1], "--force", "--output"]).arg(&here);
             native.args(settings.iter().flat_map(|s| ["--set", s]));
             shell::output(&mut native)?;
             let there = target.join("there.csv");
