@@ -170,6 +170,8 @@ fn verdict(mutant: &Mutant, number: usize, programs: &[Program]) -> Outcome<Verd
 fn run_one(program: &Program, number: usize, limit: Duration) -> Outcome<Verdict> {
     let mut command = Command::new(&program.file);
     command.current_dir(&program.folder).env(schema::VARIABLE, number.to_string());
+    // A mutant can make some tests endless: with a thread for each they do not keep others from failing.
+    command.args(["--test-threads", "8"]);
     // One failed test is enough.
     let failed = |line: &str| line.starts_with("test ") && line.ends_with("FAILED");
     Ok(match shell::run_until(&mut command, failed, limit)? {
