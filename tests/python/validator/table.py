@@ -12,6 +12,7 @@ from .archive import Files
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "validator.md"
 BEGIN, END = "<!-- the table of seeded faults: written by tests/python/validator/table.py -->", "<!-- end of the table -->"
 MODEL = "BrushedGearmotor"
+OTHERS = (checkers.fmpy, checkers.fmutool)
 
 
 def bases(dist, out):
@@ -30,19 +31,19 @@ def seed(fault, files, path):
     return fault.write(files, path) if fault.write else files.write(path)
 
 
-def judge(number, program, bases, out):
-    """The results of the three checkers for one fault: exit code, findings, fmpy, fmutool."""
+def judge(number, program, bases, out, others):
+    """The results for one fault: exit code, findings, whether each of the other checkers finds anything."""
     fault = faults.ALL[number]
     path = seed(fault, bases[fault.base], Path(out) / f"fault-{number}.fmu")
     code, findings = checkers.ours(program, path)
-    answers = code, findings, checkers.fmpy(path), checkers.fmutool(path)
+    answers = code, findings, *(other(path) for other in others)
     path.unlink()
     return answers
 
 
-def judge_all(program, dist, out, workers=2):
+def judge_all(program, dist, out, workers=2, others=OTHERS):
     """The results for all faults, in their order."""
-    work = partial(judge, program=program, bases=bases(dist, out), out=out)
+    work = partial(judge, program=program, bases=bases(dist, out), out=out, others=others)
     with ProcessPoolExecutor(workers) as pool:
         return list(pool.map(work, range(len(faults.ALL))))
 
