@@ -13,7 +13,7 @@ use crate::instance::{Instance, Interface, Part, Standard, Type};
 use crate::logger::{Logger2, Sink, Status};
 use crate::refusal::{Outcome, Refused};
 use crate::resources::of_uri;
-use crate::saved_handle::{self, deserialize, free, save, serialize, serialized_size};
+use crate::saved_handle::{deserialize, free, save, serialize, serialized_size};
 use std::ffi::{c_char, c_int, c_void};
 
 /// Handle of an instance.
@@ -178,13 +178,13 @@ functions! {
     /// Saves the instance; section 2.1.8. An existing handle is reused.
     fn fmi2GetFMUstate(state: *mut FmuState) => |i| save(i, state);
     /// Restores the instance; section 2.1.8.
-    fn fmi2SetFMUstate(state: FmuState) => |i| saved_handle::restore(i, state);
+    fn fmi2SetFMUstate(state: FmuState) => |i| i.restore(state);
     /// Frees a saved state; section 2.1.8.
-    fn fmi2FreeFMUstate(state: *mut FmuState) => |_| free(state);
+    fn fmi2FreeFMUstate(state: *mut FmuState) => |i| free(i, state);
     /// Size of a serialized state in bytes; section 2.1.8.
-    fn fmi2SerializedFMUstateSize(state: FmuState, size: *mut usize) => |_| serialized_size(state, size);
+    fn fmi2SerializedFMUstateSize(state: FmuState, size: *mut usize) => |i| serialized_size(i, state, size);
     /// Serializes a saved state; section 2.1.8.
-    fn fmi2SerializeFMUstate(state: FmuState, bytes: *mut u8, n: usize) => |_| serialize(state, bytes, n);
+    fn fmi2SerializeFMUstate(state: FmuState, bytes: *mut u8, n: usize) => |i| serialize(i, state, bytes, n);
     /// Deserializes a saved state; section 2.1.8.
     fn fmi2DeSerializeFMUstate(bytes: *const u8, n: usize, state: *mut FmuState) =>
         |i| deserialize(i, bytes, n, state);

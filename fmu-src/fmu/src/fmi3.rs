@@ -83,15 +83,15 @@ functions! {
     /// Saves the instance. An existing handle is reused.
     fn fmi3GetFMUState(state: *mut FmuState) => |i| saved_handle::save(i, state);
     /// Restores the instance.
-    fn fmi3SetFMUState(state: FmuState) => |i| saved_handle::restore(i, state);
+    fn fmi3SetFMUState(state: FmuState) => |i| i.restore(state);
     /// Frees a saved state.
-    fn fmi3FreeFMUState(state: *mut FmuState) => |_| saved_handle::free(state);
+    fn fmi3FreeFMUState(state: *mut FmuState) => |i| saved_handle::free(i, state);
     /// Size of a serialized state in bytes.
     fn fmi3SerializedFMUStateSize(state: FmuState, size: *mut usize) =>
-        |_| saved_handle::serialized_size(state, size);
+        |i| saved_handle::serialized_size(i, state, size);
     /// Serializes a saved state.
     fn fmi3SerializeFMUState(state: FmuState, bytes: *mut u8, n: usize) =>
-        |_| saved_handle::serialize(state, bytes, n);
+        |i| saved_handle::serialize(i, state, bytes, n);
     /// Deserializes a saved state.
     fn fmi3DeserializeFMUState(bytes: *const u8, n: usize, state: *mut FmuState) =>
         |i| saved_handle::deserialize(i, bytes, n, state);

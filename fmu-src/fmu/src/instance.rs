@@ -20,6 +20,7 @@ use physics::model::{Fault, Model, ModelType, Slot};
 use physics::resources::Resources;
 use report::Report;
 use saturation::Saturation;
+use saving::SavedStates;
 use std::ffi::{CStr, CString};
 use std::path::Path;
 
@@ -68,6 +69,8 @@ pub struct Instance {
     /// Output buffer: states, derivatives, event indicators.
     buffer: Vec<f64>,
     report: Report,
+    /// Freed with the instance if the importer has not freed them.
+    saved_states: SavedStates,
     /// Reason for the end of the run at a limit of validity.
     ended: Option<CString>,
     /// Log messages.
@@ -137,6 +140,7 @@ impl Instance {
             tolerance: 1.0,
             buffer: vec![0.0; declaration.states.len().max(declaration.indicators.len())],
             report: Report::new(declaration),
+            saved_states: SavedStates::default(),
             ended: None,
             log,
         })

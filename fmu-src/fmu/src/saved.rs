@@ -65,7 +65,7 @@ impl Saved {
         };
         let length = |b: &[u8]| u32::from_le_bytes(b.try_into().unwrap_or_default()) as usize;
         if take(MAGIC.len())? != MAGIC {
-            return Err(bad("does not have version 5 of this library"));
+            return Err(bad("is not of this version of the library"));
         }
         let checksum = take(CHECKSUM)?.to_vec();
         if checksum != crc32fast::hash(&bytes[MAGIC.len() + CHECKSUM..]).to_le_bytes() {

@@ -126,7 +126,7 @@ fn an_event_is_saved_and_restored() {
     assert_eq!(fresh.ended(at, 1e-3), motor.ended(at, 1e-3));
     // One without event mode takes it, and shows what is.
     let plain = three(false, false);
-    plain.restore(&saved).ok();
+    plain.restore(&plain.read(&saved.bytes()).unwrap()).ok();
     assert!(plain.is_hot());
 }
 
