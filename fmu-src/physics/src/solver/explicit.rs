@@ -3,6 +3,8 @@
 //!
 //! *Source*: Dormand, Prince, J. Comput. Appl. Math. 6 (1980) 19, the pair known as DOPRI5 or ode45.
 
+use super::MOST_STEPS;
+
 /// Nodes of the stages.
 const C: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 /// Weights of the previous stages; the last row is the solution of order 5.
@@ -22,9 +24,6 @@ const E: [f64; 7] =
 const TOLERANCE: f64 = 1e-7;
 /// Halvings of a communication step before the step fails.
 const HALVINGS: u32 = 40;
-
-/// Largest number of steps in one communication step; limits the computing time of a long communication step.
-const MOST_STEPS: u32 = 1_000_000;
 
 /// Step failure: the time from the start of the communication step, s, at which it occurred.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -28,6 +28,7 @@ mod system;
 
 pub use system::{Fast, Segment, System, Work};
 
+use super::MOST_STEPS;
 use super::phi::{Forcing, Phi, product};
 use crate::runtime::Saved;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
@@ -231,11 +232,11 @@ impl<const N: usize> Split<N> {
         state: &mut State<N, E>,
         h: f64,
     ) -> Result<(), StepFailure> {
-        let (mut done, mut trial) = (0.0, self.trial.min(h));
+        let (mut done, mut trial, mut try_h) = (0.0, self.trial.min(h), h);
         let (mut backup, mut reached, mut next) = (None, None, *state);
-        loop {
+        for _ in 0..MOST_STEPS {
             let rest = h - done;
-            let try_h = if trial >= rest * WHOLE { rest } else { trial.min(0.5 * rest) };
+            try_h = if trial >= rest * WHOLE { rest } else { trial.min(0.5 * rest) };
             let from = reached.as_ref().unwrap_or(state);
             let error = self.step(system, from, (done, try_h), &mut next, &mut backup);
             if error <= 1.0 {
@@ -256,13 +257,14 @@ impl<const N: usize> Split<N> {
                 self.rejected += 1;
                 trial = try_h * if error.is_finite() { (0.8 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 };
             } else {
-                if let Some((a, fast, m, thermal)) = backup {
-                    (self.fast, self.thermal) = (Phi::new(a, fast), Phi::new(m, thermal));
-                    self.squares = Squares::of(&self.fast);
-                }
-                return Err(StepFailure { t: done, h: try_h });
+                break;
             }
         }
+        if let Some((a, fast, m, thermal)) = backup {
+            (self.fast, self.thermal) = (Phi::new(a, fast), Phi::new(m, thermal));
+            self.squares = Squares::of(&self.fast);
+        }
+        Err(StepFailure { t: done, h: try_h })
     }
 
     /// One step without error control, to study the order of the method.

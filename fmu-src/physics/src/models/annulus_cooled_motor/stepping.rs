@@ -17,6 +17,7 @@ use crate::effects::{PerNode, Port};
 use crate::line::Line;
 use crate::model::Fault;
 use crate::runtime::Halt;
+use crate::solver::MOST_STEPS;
 use crate::solver::split::State;
 use crate::solver::stabilized::States;
 use declare::Group;
@@ -88,8 +89,8 @@ impl AnnulusCooledMotor {
 
     fn step_failure(&self, time: f64, after: f64, h: f64) -> Fault {
         Fault(format!(
-            "The motor's equations have no solution {after} s after {time} s even with steps of {h} s \
-             (current {} A, speed {} rad/s, winding {} K).",
+            "The motor's equations have no solution {after:.3e} s after {time} s with at most {MOST_STEPS} steps, the last of {h:.1e} s \
+             (current {} A, speed {} rad/s, winding {} K); parameters or inputs are probably far from those of a motor.",
             self.own.state.x[0], self.own.state.x[1], self.own.state.temperature[0]
         ))
     }
@@ -105,11 +106,12 @@ impl AnnulusCooledMotor {
             }
         }
         let before = self.clone();
-        let mut done = 0.0;
+        let (mut done, mut tried) = (0.0, 0);
         while done < h {
             let rest = h - done;
             let substep = if trial >= rest * (1.0 - 1e-9) { rest } else { trial.min(0.5 * rest) };
-            if substep < LEAST_SHARE * h {
+            tried += 1;
+            if substep < LEAST_SHARE * h || tried > MOST_STEPS {
                 let fault = self.step_failure(time, done, substep);
                 *self = before;
                 return Err(fault.into());

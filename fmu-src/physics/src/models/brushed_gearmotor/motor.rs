@@ -10,6 +10,7 @@ use crate::exchange::is_above;
 use crate::model::{Declaration, Declared, Fault};
 use crate::runtime::{Equations, Halt, NoVariables, Runtime};
 use crate::saved;
+use crate::solver::MOST_STEPS;
 use crate::solver::split::Split;
 use crate::terms::Drivers;
 use declare::State as Declare;
@@ -142,8 +143,8 @@ impl Equations<STATES> for Gearmotor {
         split.advance(&Step::new(parameters, constants, inputs, slopes, time), state, h).map_err(
             |step_failure| {
                 Fault(format!(
-                    "The gearmotor's equations have no solution {} s after {} s even with steps of {} s \
-                 (current {} A, speed {} rad/s, winding {} K).",
+                    "The gearmotor's equations have no solution {:.3e} s after {} s with at most {MOST_STEPS} steps, the last of {:.1e} s \
+                 (current {} A, speed {} rad/s, winding {} K); parameters or inputs are probably far from those of a motor.",
                     step_failure.t, time, step_failure.h, before.x[0], before.x[1], before.temperature[0]
                 ))
             },
