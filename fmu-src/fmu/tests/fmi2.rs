@@ -1,6 +1,6 @@
 //! FMI 2.0 through the C functions: life cycle, values, refusals, saved states.
 
-use crate::common::{CS2, Importer, MOTOR, Succeeds, filled, token, vr};
+use crate::common::{CS2, Importer, LOGGED, MOTOR, Succeeds, filled, token, vr};
 use motor_fmu::fmi2::*;
 use motor_fmu::logger::Status;
 use std::ffi::CStr;
@@ -193,6 +193,20 @@ fn a_step_without_solution_is_discarded_and_changes_nothing() {
     assert_eq!(motor.outputs(), before);
     assert_eq!(motor.step(0.0, 1e-6), Status::Ok, "the instance lives on");
     assert!(motor.said()[0].text.contains("no solution"));
+}
+
+/// No motor follows such a load torque: the number of steps is limited, so that the call returns after seconds and not after hours.
+#[test]
+fn an_absurd_input_derivative_ends_the_step() {
+    let kind = physics::models::by_name("BrushedGearmotor").unwrap();
+    let motor = Importer::instantiated(kind, CS2, LOGGED).started(&[]);
+    let load = [motor.declaration.by_name("load_torque").unwrap().value_reference];
+    motor.set_slopes(&load, &[1], &[1e30]).ok();
+    assert_eq!(motor.step(0.0, 1e-3), Status::Discard);
+    let text = &motor.said()[0].text;
+    assert!(text.contains("no solution") && text.contains("1000000 steps"), "{text}");
+    motor.set_slopes(&load, &[1], &[0.0]).ok();
+    motor.step(0.0, 1e-3).ok();
 }
 
 #[test]

@@ -7,5 +7,5 @@ pub mod split;
 pub mod stabilized;
 
 /// Largest number of steps in one communication step: a model whose parameters need more ends with an error instead of computing for
-/// hours. CVODE has 500 by default (`mxstep`); a million take a second or two.
+/// hours. CVODE has 500 by default (`mxstep`); a million take a few seconds.
 pub(crate) const MOST_STEPS: u32 = 1_000_000;
