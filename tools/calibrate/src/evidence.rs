@@ -10,11 +10,17 @@
 //! structure error (`search/structure.rs`) with covariance size^2. The three hyperparameters sd, length and size are unknown: every
 //! gain is the decrease of (2) from its minimum over them without S to its minimum with S. `raw` gains are without drift and
 //! structure error. A column that explains a slow residual of millikelvins must therefore fit better than sensor drift, and an effect
-//! must explain more than structure error of the observed size.
+//! must explain more than structure error of the observed size. The covariance of e is compared as well: white noise of the stated size,
+//! or noise with a memory (`evidence/memory.rs`), in which case r, Z and S are whitened first.
 //! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 2.7 and 5.4; Kennedy, O'Hagan, J. R. Stat. Soc. B
 //! 63 (2001) 425-464 (structure error).
 
+mod memory;
+#[cfg(test)]
+mod tests;
+
 use crate::levels::NEGLIGIBLE;
+pub use memory::{Memory, Series};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Drifts that are compared: ratio of its standard deviation to that of the noise, and correlation time, s. Tuned: thermocouples drift
@@ -27,6 +33,8 @@ const APART: f64 = 3.0;
 const ABSENT: f64 = 1e30;
 /// Prior precision of a parameter without prior. Numerical: negligible, but gives parameters without influence a finite variance.
 const FLAT: f64 = 1e-8;
+/// Largest number of estimates of the noise. Numerical: each changes what drift and structure error leave, the second by a few percent.
+const REPETITIONS: usize = 3;
 /// Relative variance added to the diagonal of a drift's covariance. Numerical: keeps it positive definite.
 const JITTER: f64 = 1e-6;
 /// Part of a column orthogonal to the null model that is rounding, relative to its square. Numerical: 1e4 terms, condition 1e3.
@@ -38,14 +46,49 @@ const SIZES: [f64; 5] = [1.0, 3e1, 1e3, 3e4, 1e6];
 /// A residual with the columns of the null model.
 #[derive(Clone)]
 pub struct Evidence {
-    r: DVector<f64>,
-    /// Columns of parameters, sensor drift and structure error.
-    z: DMatrix<f64>,
     apart: Vec<f64>,
     /// Time and sensor of each drift column.
     knots: Vec<(f64, usize)>,
+    /// Outputs and runs of the values.
+    series: Vec<Series>,
+    /// Compared covariances of the noise; the first is white noise of the stated size.
+    noises: Vec<Noise>,
+}
+
+/// A covariance of the noise.
+#[derive(Clone)]
+struct Noise {
+    /// `None` for white noise of the stated size.
+    memory: Option<Memory>,
+    /// The residual, whitened.
+    r: DVector<f64>,
+    /// Columns of parameters, sensor drift and structure error, whitened.
+    z: DMatrix<f64>,
+    /// Log determinant of the covariance.
+    determinant: f64,
     /// Compared hyperparameters: drift sizes and correlation times, sizes of the structure error.
     states: Vec<State>,
+}
+
+impl Noise {
+    fn white(r: DVector<f64>, z: DMatrix<f64>) -> Noise {
+        Noise { memory: None, r, z, determinant: 0.0, states: Vec::new() }
+    }
+
+    /// Z'Z and Z'r.
+    fn sums(&self) -> (DMatrix<f64>, DVector<f64>) {
+        (self.z.tr_mul(&self.z), self.z.tr_mul(&self.r))
+    }
+
+    /// Columns in units of this noise.
+    fn whitened(&self, series: &[Series], s: &DMatrix<f64>) -> DMatrix<f64> {
+        self.memory.as_ref().map_or_else(|| s.clone(), |memory| memory.whitened(series, s))
+    }
+
+    /// The state with the lowest cost.
+    fn fitting(&self) -> &State {
+        self.states.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap_or(&self.states[0])
+    }
 }
 
 #[derive(Clone)]
@@ -78,113 +121,173 @@ pub struct Gain {
     pub size: DVector<f64>,
     /// Their covariance.
     pub covariance: DMatrix<f64>,
-    /// Index of these hyperparameters.
-    state: usize,
+    /// Indices of the covariance of the noise and of these hyperparameters.
+    state: (usize, usize),
 }
 
 impl Evidence {
     /// The null model of a residual. `slopes` are sensitivities to the parameters in units of their prior deviations, `apart` their
     /// deviations from the prior in this unit (NaN without a prior), `drift` the columns of B for a drift with the deviation of the noise,
-    /// and `knots` the time and the sensor of each of them.
+    /// `knots` the time and the sensor of each of them, and `series` the outputs and runs of the values.
     pub fn new(
         r: DVector<f64>,
         slopes: &DMatrix<f64>,
         apart: &[f64],
         drift: &DMatrix<f64>,
         knots: &[(f64, usize)],
+        series: Vec<Series>,
     ) -> Option<Evidence> {
-        let z = beside(slopes, drift);
-        let evidence = Evidence { r, z, apart: apart.to_vec(), knots: knots.to_vec(), states: Vec::new() };
-        let sums = evidence.sums();
-        let drifting = if knots.is_empty() { &DRIFTS[..1] } else { &DRIFTS[..] };
-        let states =
-            drifting.iter().map(|drift| evidence.state(&sums, *drift, 0.0)).collect::<Option<Vec<_>>>()?;
-        Some(Evidence { states, ..evidence })
+        let mut evidence =
+            Evidence { apart: apart.to_vec(), knots: knots.to_vec(), series, noises: Vec::new() };
+        let mut white = Noise::white(r, beside(slopes, drift));
+        let sums = white.sums();
+        let states = evidence.drifts().iter().map(|drift| evidence.state(&white, &sums, *drift, 0.0));
+        white.states = states.collect::<Option<Vec<_>>>()?;
+        evidence.noises.push(white);
+        Some(evidence)
+    }
+
+    /// Drifts that are compared.
+    fn drifts(&self) -> &'static [(f64, f64)] {
+        if self.knots.is_empty() { &DRIFTS[..1] } else { &DRIFTS[..] }
     }
 
     /// The null model extended by structure error with the directions `columns` for a size of 1.
     pub fn with_structure(&self, columns: &DMatrix<f64>) -> Option<Evidence> {
-        let mut other = Evidence { z: beside(&self.z, columns), states: Vec::new(), ..self.clone() };
-        let sums = other.sums();
-        let plain = self.states.iter().map(|s| other.state(&sums, s.drift, 0.0));
+        let own = &self.noises[0];
+        let mut white = Noise::white(own.r.clone(), beside(&own.z, columns));
+        let mut other = Evidence { noises: Vec::new(), ..self.clone() };
+        let sums = white.sums();
+        let plain = own.states.iter().map(|s| other.state(&white, &sums, s.drift, 0.0));
         let plain = plain.collect::<Option<Vec<_>>>()?;
-        let drift = self.fitting().drift;
+        let drift = own.fitting().drift;
         // Increase the size while the cost decreases, then take the vertex of the parabola through the last three, over the logarithm.
         let mut sizes: Vec<State> = Vec::new();
         while columns.ncols() > 0 && !rises(&sizes) {
             let size = sizes.last().map_or(NEGLIGIBLE, |s| APART * s.size);
-            sizes.push(other.state(&sums, drift, size)?);
+            sizes.push(other.state(&white, &sums, drift, size)?);
         }
         if let [.., a, b, c] = &sizes[..] {
             let way = vertex([a.cost, b.cost, c.cost]);
             let size = b.size * APART.powf(way);
-            sizes.push(other.state(&sums, drift, size)?);
+            sizes.push(other.state(&white, &sums, drift, size)?);
         }
         let least = |states: &[State]| states.iter().map(|s| s.cost).fold(f64::INFINITY, f64::min);
-        if least(&sizes) >= least(&plain) {
-            other.states = plain;
-            return Some(other);
-        }
-        // With structure error, another drift may be optimal.
-        let size = sizes.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?.size;
-        for own in plain.iter().filter(|s| s.drift != drift) {
-            let next = other.state(&sums, own.drift, size)?;
-            if next.cost < least(&sizes) {
-                sizes.push(next);
+        white.states = if least(&sizes) >= least(&plain) {
+            plain
+        } else {
+            // With structure error, another drift may be optimal.
+            let size = sizes.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?.size;
+            for own in plain.iter().filter(|s| s.drift != drift) {
+                let next = other.state(&white, &sums, own.drift, size)?;
+                if next.cost < least(&sizes) {
+                    sizes.push(next);
+                }
             }
-        }
-        // Keep the states without structure error (no drift, best drift) as alternatives for the gains.
-        other.states = plain
-            .into_iter()
-            .enumerate()
-            .filter(|(k, s)| *k == 0 || s.drift == drift)
-            .map(|(_, s)| s)
-            .collect();
-        other.states.extend(sizes);
+            // Keep the states without structure error (no drift, best drift) as alternatives for the gains.
+            let simpler = plain.into_iter().enumerate().filter(|(k, s)| *k == 0 || s.drift == drift);
+            simpler.map(|(_, s)| s).chain(sizes).collect()
+        };
+        other.noises.push(white);
         Some(other)
+    }
+
+    /// The null model extended by noise with a memory, if the residual has it.
+    pub fn with_memory(mut self) -> Option<Evidence> {
+        let white = &self.noises[0];
+        let best = white.fitting();
+        let (mut left, mut used) = (best.left.clone(), self.used(best)?);
+        let mut hyper = (best.drift, best.size);
+        let mut found: Option<Noise> = None;
+        for _ in 0..REPETITIONS {
+            let memory = Memory::of(&self.series, &left, used / left.len() as f64);
+            if memory.is_negligible() {
+                break;
+            }
+            let r = DMatrix::from_columns(std::slice::from_ref(&white.r));
+            let mut noise = Noise {
+                r: memory.whitened(&self.series, &r).column(0).into_owned(),
+                z: memory.whitened(&self.series, &white.z),
+                determinant: memory.log_determinant(&self.series),
+                memory: Some(memory),
+                states: Vec::new(),
+            };
+            let sums = noise.sums();
+            // Memory takes over part of what drift and structure error described.
+            let sizes = [0.0, hyper.1 / APART, hyper.1, hyper.1 * APART];
+            for drift in self.drifts() {
+                noise.states.push(self.state(&noise, &sums, *drift, hyper.1)?);
+            }
+            let drift = noise.fitting().drift;
+            for size in sizes.into_iter().filter(|size| *size != hyper.1) {
+                noise.states.push(self.state(&noise, &sums, drift, size)?);
+            }
+            let best = noise.fitting();
+            if found.as_ref().is_some_and(|known| known.fitting().cost <= best.cost) {
+                break;
+            }
+            let c = best.factor.solve(&best.rhs);
+            (left, used, hyper) = (&white.r - &white.z * c, self.used(best)?, (best.drift, best.size));
+            found = Some(noise);
+        }
+        self.noises.extend(found);
+        Some(self)
     }
 
     /// Keeps only the best state and the one without drift and structure error.
     pub fn settle(&mut self) {
-        let best = self.fitting().cost;
-        let mut first = true;
-        self.states.retain(|s| std::mem::take(&mut first) || s.cost <= best);
+        let best = self.best_state();
+        for (n, noise) in self.noises.iter_mut().enumerate() {
+            let mut k = 0;
+            noise.states.retain(|_| {
+                k += 1;
+                (n, k - 1) == (0, 0) || (n, k - 1) == best
+            });
+        }
+        self.noises.retain(|noise| !noise.states.is_empty());
     }
 
     /// Releases all memory except the cost.
     pub fn release(&mut self) {
         self.settle();
-        self.z = DMatrix::zeros(0, 0);
+        self.noises.iter_mut().for_each(|noise| noise.z = DMatrix::zeros(0, 0));
     }
 
-    /// Z'Z and Z'r.
-    fn sums(&self) -> (DMatrix<f64>, DVector<f64>) {
-        (self.z.tr_mul(&self.z), self.z.tr_mul(&self.r))
-    }
-
-    /// The null model for given drift and size of the structure error.
+    /// The null model for given noise, drift and size of the structure error.
     fn state(
         &self,
+        noise: &Noise,
         (ztz, ztr): &(DMatrix<f64>, DVector<f64>),
         drift: (f64, f64),
         size: f64,
     ) -> Option<State> {
+        let p = self.apart.len();
+        let (l, prior_determinant) = self.precision(noise.z.ncols(), drift, size)?;
+        let finite = |(k, apart): (usize, &f64)| apart.is_finite().then_some((k, *apart));
+        let apart = || self.apart.iter().enumerate().filter_map(finite);
+        let mut rhs = ztr.clone();
+        apart().for_each(|(k, apart)| rhs[k] -= apart);
+        let whole = ztz + &l;
+        let coefficients = noise.z.ncols() - p;
+        let inner = whole.view((p, p), (coefficients, coefficients)).into_owned();
+        let determinant = noise.determinant + prior_determinant + log_determinant(&inner.cholesky()?);
+        let factor = whole.cholesky()?;
+        let c = factor.solve(&rhs);
+        let left = &noise.r - &noise.z * &c;
+        let prior_cost: f64 = apart().map(|(_, apart)| apart * apart).sum();
+        let cost = noise.r.norm_squared() + prior_cost - rhs.dot(&c) + determinant;
+        Some(State { factor, left, cost, rhs, drift, size })
+    }
+
+    /// L for given drift and size of the structure error, for `all` columns, and minus the log determinant of the part of drift and
+    /// structure error.
+    fn precision(&self, all: usize, (sd, length): (f64, f64), size: f64) -> Option<(DMatrix<f64>, f64)> {
         let (p, d) = (self.apart.len(), self.knots.len());
-        let all = self.z.ncols();
         let mut l = DMatrix::zeros(all, all);
-        let mut toward = DVector::zeros(all);
-        let mut prior_cost = 0.0;
         for (k, apart) in self.apart.iter().enumerate() {
-            if apart.is_finite() {
-                l[(k, k)] = 1.0;
-                toward[k] = -apart;
-                prior_cost += apart * apart;
-            } else {
-                l[(k, k)] = FLAT;
-            }
+            l[(k, k)] = if apart.is_finite() { 1.0 } else { FLAT };
         }
         let mut determinant = 0.0;
-        let (sd, length) = drift;
         if sd > 0.0 {
             let kernel = DMatrix::from_fn(d, d, |a, b| {
                 let ((t, s), (u, v)) = (self.knots[a], self.knots[b]);
@@ -195,9 +298,8 @@ impl Evidence {
             determinant += log_determinant(&factor);
             l.view_mut((p, p), (d, d)).copy_from(&factor.inverse());
         }
-        let absent = |k: usize| (k < p + d && sd == 0.0) || (k >= p + d && size == 0.0);
         for k in p..all {
-            if absent(k) {
+            if if k < p + d { sd == 0.0 } else { size == 0.0 } {
                 l[(k, k)] = ABSENT;
                 determinant -= ABSENT.ln();
             } else if k >= p + d {
@@ -205,20 +307,41 @@ impl Evidence {
                 determinant += 2.0 * size.ln();
             }
         }
-        let whole = ztz + &l;
-        let inner = whole.view((p, p), (all - p, all - p)).into_owned();
-        determinant += log_determinant(&inner.cholesky()?);
-        let factor = whole.cholesky()?;
-        let rhs = ztr + toward;
-        let c = factor.solve(&rhs);
-        let left = &self.r - &self.z * &c;
-        let cost = self.r.norm_squared() + prior_cost - rhs.dot(&c) + determinant;
-        Some(State { factor, left, cost, rhs, drift, size })
+        Some((l, determinant))
+    }
+
+    /// Number of coefficients that the data determine in a state: gamma of `evidence/memory.rs`.
+    fn used(&self, state: &State) -> Option<f64> {
+        let all = state.rhs.len();
+        let (l, _) = self.precision(all, state.drift, state.size)?;
+        Some(all as f64 - state.factor.solve(&l).trace())
     }
 
     /// The state with the lowest cost.
     fn fitting(&self) -> &State {
-        self.states.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap_or(&self.states[0])
+        let (noise, state) = self.best_state();
+        &self.noises[noise].states[state]
+    }
+
+    /// Indices of its noise and of the state itself.
+    fn best_state(&self) -> (usize, usize) {
+        let all = self.noises.iter().enumerate();
+        let all = all.flat_map(|(n, noise)| (0..noise.states.len()).map(move |k| (n, k)));
+        let cost = |(n, k): &(usize, usize)| self.noises[*n].states[*k].cost;
+        all.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or((0, 0))
+    }
+
+    /// Whether the residual is noise as stated and sensor drift, without structure error and memory.
+    pub fn is_noise(&self) -> bool {
+        let (noise, state) = self.best_state();
+        self.noises[noise].memory.is_none() && self.noises[noise].states[state].size == 0.0
+    }
+
+    /// Variance of the mean of many readings relative to that of white noise of the stated size, output by output.
+    pub fn inflation(&self) -> Vec<f64> {
+        let outputs = self.series.iter().map(|s| s.output + 1).max().unwrap_or(0);
+        let memory = &self.noises[self.best_state().0].memory;
+        memory.as_ref().map_or_else(|| vec![1.0; outputs], Memory::inflation)
     }
 
     /// Best size of the structure error, in units of the noise.
@@ -228,7 +351,7 @@ impl Evidence {
 
     /// Number of values in the residual.
     pub fn values(&self) -> usize {
-        self.r.len()
+        self.noises[0].r.len()
     }
 
     /// Best drift of the null model: ratio of its standard deviation to that of the noise, and correlation time, s.
@@ -242,17 +365,19 @@ impl Evidence {
         let left = match beside {
             None => self.fitting().left.norm_squared(),
             Some((s, gain)) => {
-                let state = &self.states[gain.state];
-                let lent = state.factor.solve(&self.z.tr_mul(s));
-                (&state.left - (s - &self.z * lent) * &gain.size).norm_squared()
+                let (noise, state) =
+                    (&self.noises[gain.state.0], &self.noises[gain.state.0].states[gain.state.1]);
+                let s = noise.whitened(&self.series, s);
+                let lent = state.factor.solve(&noise.z.tr_mul(&s));
+                (&state.left - (s - &noise.z * lent) * &gain.size).norm_squared()
             }
         };
-        left / self.r.len() as f64
+        left / self.noises[0].r.len() as f64
     }
 
     /// Eq. (2) with the best hyperparameters, and without drift and structure error.
     pub fn cost(&self) -> (f64, f64) {
-        (self.fitting().cost, self.states[0].cost)
+        (self.fitting().cost, self.noises[0].states[0].cost)
     }
 
     /// First-order corrections of the parameters and their covariance with the best drift, in units of their prior deviations; estimated
@@ -262,11 +387,13 @@ impl Evidence {
         parameters: usize,
         beside: Option<(&DMatrix<f64>, &Gain)>,
     ) -> (Vec<f64>, DMatrix<f64>) {
-        let best = beside.map_or(self.fitting(), |(_, gain)| &self.states[gain.state]);
+        let place = beside.map_or_else(|| self.best_state(), |(_, gain)| gain.state);
+        let noise = &self.noises[place.0];
+        let best = &noise.states[place.1];
         let mut c = best.factor.solve(&best.rhs);
         let mut covariance = best.factor.inverse();
         if let Some((s, gain)) = beside {
-            let lent = best.factor.solve(&self.z.tr_mul(s));
+            let lent = best.factor.solve(&noise.z.tr_mul(&noise.whitened(&self.series, s)));
             c -= &lent * &gain.size;
             covariance += &lent * &gain.covariance * lent.transpose();
         }
@@ -276,7 +403,7 @@ impl Evidence {
 
     /// Eq. (3). `None` if the columns are collinear with those of the null model.
     pub fn gain(&self, s: &DMatrix<f64>) -> Option<Gain> {
-        self.best(s, |power, seen| {
+        self.best(s, |s, power, seen| {
             if (0..power.nrows()).any(|j| power[(j, j)] <= ROUNDING * s.column(j).norm_squared()) {
                 return None;
             }
@@ -290,7 +417,7 @@ impl Evidence {
     pub fn shape(&self, s: &DMatrix<f64>, kernel: &DMatrix<f64>) -> Option<Gain> {
         let factor = kernel.clone().cholesky()?;
         let (inverse, prior) = (factor.inverse(), log_determinant(&factor));
-        self.best(s, |power, seen| {
+        self.best(s, |_, power, seen| {
             let scale = power.trace() / power.nrows() as f64;
             if scale.is_nan() || scale <= 0.0 {
                 return None;
@@ -306,26 +433,29 @@ impl Evidence {
         })
     }
 
-    /// The best result of `explain`, a function of S'PS and S'Pr, over all compared hyperparameters.
+    /// The best result of `explain`, a function of S, S'PS and S'Pr, over all compared hyperparameters.
     fn best(
         &self,
         s: &DMatrix<f64>,
-        explain: impl Fn(&DMatrix<f64>, &DVector<f64>) -> Option<Explained>,
+        explain: impl Fn(&DMatrix<f64>, &DMatrix<f64>, &DVector<f64>) -> Option<Explained>,
     ) -> Option<Gain> {
-        let (sts, zts) = (s.tr_mul(s), self.z.tr_mul(s));
-        let mut best: Option<(f64, Explained, usize)> = None;
+        let mut best: Option<(f64, Explained, (usize, usize))> = None;
         let mut raw = 0.0;
-        for (k, state) in self.states.iter().enumerate() {
-            let seen_too = state.factor.l_dirty().solve_lower_triangular(&zts)?;
-            let power = &sts - seen_too.tr_mul(&seen_too);
-            let seen = s.tr_mul(&state.left);
-            let Some((gain, size, factor)) = explain(&power, &seen) else { continue };
-            if k == 0 {
-                raw = gain;
-            }
-            let cost = state.cost - gain;
-            if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
-                best = Some((cost, (gain, size, factor), k));
+        for (n, noise) in self.noises.iter().enumerate() {
+            let s = noise.whitened(&self.series, s);
+            let (sts, zts) = (s.tr_mul(&s), noise.z.tr_mul(&s));
+            for (k, state) in noise.states.iter().enumerate() {
+                let seen_too = state.factor.l_dirty().solve_lower_triangular(&zts)?;
+                let power = &sts - seen_too.tr_mul(&seen_too);
+                let seen = s.tr_mul(&state.left);
+                let Some((gain, size, factor)) = explain(&s, &power, &seen) else { continue };
+                if (n, k) == (0, 0) {
+                    raw = gain;
+                }
+                let cost = state.cost - gain;
+                if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+                    best = Some((cost, (gain, size, factor), (n, k)));
+                }
             }
         }
         let (cost, (_, size, factor), state) = best?;
@@ -354,138 +484,4 @@ fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
 
 fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
     2.0 * factor.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::normal;
-
-    fn column(n: usize, of: impl Fn(f64) -> f64) -> DMatrix<f64> {
-        DMatrix::from_fn(n, 1, |k, _| of(k as f64 / n as f64))
-    }
-
-    /// Hat functions over a time of 10 000 s, for readings of nine rows each.
-    fn sensor(n: usize) -> (DMatrix<f64>, Vec<(f64, usize)>) {
-        let points: Vec<f64> = (0..12).map(|k| k as f64 / 11.0).collect();
-        let drift =
-            DMatrix::from_fn(n, 12, |row, k| 3.0 * crate::hypothesis::hat(&points, k, row as f64 / n as f64));
-        (drift, points.iter().map(|t| (1e4 * t, 0)).collect())
-    }
-
-    /// A planted signal is recovered with its size, given a parameter and sensor drift, with the variance of least squares.
-    #[test]
-    fn what_was_planted_is_found() {
-        let (n, mut rng) = (400, crate::testing::rng(2));
-        let fast = column(n, |t| if (40.0 * t).sin() > 0.0 { 1.0 } else { -1.0 });
-        let slope = column(n, |t| 5.0 * t);
-        let r = DVector::from_fn(n, |k, _| 0.7 * fast[(k, 0)] + 0.4 * slope[(k, 0)] + normal(&mut rng));
-        let (drift, knots) = sensor(n);
-        let gain = Evidence::new(r, &slope, &[0.0], &drift, &knots).unwrap().gain(&fast).unwrap();
-        let deviation = gain.covariance[(0, 0)].sqrt();
-        // Almost orthogonal to all other columns: deviation 1 / sqrt n.
-        assert!((deviation * (n as f64).sqrt() - 1.0).abs() < 0.1, "{deviation}");
-        assert!((gain.size[0] - 0.7).abs() < 3.0 * deviation, "{gain:?}");
-        let expected = (0.7 / deviation).powi(2);
-        assert!(gain.raw > 0.6 * expected && gain.whitened > 0.6 * expected, "{gain:?} {expected}");
-    }
-
-    /// Sensor drift and a slow column that resembles it: evidence against white noise alone, no evidence against drift.
-    #[test]
-    fn a_drift_is_no_effect() {
-        let (n, mut rng) = (400, crate::testing::rng(4));
-        let (drift, knots) = sensor(n);
-        let walk = |t: f64| (3.1 * t).sin() + 0.5 * (7.3 * t + 1.0).cos();
-        let r = DVector::from_fn(n, |k, _| 1.5 * walk(k as f64 / n as f64) + normal(&mut rng));
-        let none = DMatrix::zeros(n, 0);
-        let slow = column(n, |t| (3.0 * t).sin());
-        let gain = Evidence::new(r, &none, &[], &drift, &knots).unwrap().gain(&slow).unwrap();
-        assert!(gain.raw > 100.0 && gain.whitened < 10.0, "{gain:?}");
-    }
-
-    /// Three readings, a free mean and a ramp: of the sum of squares 14 the mean leaves 2, which the ramp explains.
-    #[test]
-    fn raw_is_the_fall_of_the_squares() {
-        let r = DVector::from_vec(vec![1.0, 2.0, 3.0]);
-        let (mean, ramp) = (DMatrix::from_element(3, 1, 1.0), DMatrix::from_vec(3, 1, vec![0.0, 1.0, 2.0]));
-        let evidence = Evidence::new(r, &mean, &[f64::NAN], &DMatrix::zeros(3, 0), &[]).unwrap();
-        assert!((evidence.cost().1 - 2.0).abs() < 1e-6);
-        let gain = evidence.gain(&ramp).unwrap();
-        assert!((gain.raw - 2.0).abs() < 1e-6 && (gain.whitened - 2.0).abs() < 1e-6, "{gain:?}");
-        assert!((gain.size[0] - 1.0).abs() < 1e-6 && (gain.covariance[(0, 0)] - 0.5).abs() < 1e-6);
-    }
-
-    /// Two laws of the null model with small errors: a residual that resembles them is no evidence for an effect, since structure error of
-    /// the observed size explains it; a much larger residual is.
-    #[test]
-    fn structure_error_is_no_effect() {
-        let (n, mut rng) = (400, crate::testing::rng(6));
-        let waves =
-            DMatrix::from_fn(n, 12, |k, j| 1.4 * ((j + 1) as f64 * 0.008 * k as f64 + j as f64).sin());
-        let none = DMatrix::zeros(n, 0);
-        let column = column(n, |t| (10.0 * t).sin());
-        let mut found = |size: f64, effect: f64| {
-            let numbers = DVector::from_fn(12, |_, _| size * normal(&mut rng));
-            let r = &waves * numbers + effect * &column + DVector::from_fn(n, |_, _| normal(&mut rng));
-            let evidence = Evidence::new(r, &none, &[], &none, &[]).unwrap().with_structure(&waves).unwrap();
-            (evidence.structure(), evidence.gain(&column.columns(0, 1).into_owned()).unwrap())
-        };
-        let (size, gain) = found(0.0, 0.0);
-        assert!(size <= NEGLIGIBLE && gain.whitened < 10.0, "{size} {gain:?}");
-        let (size, gain) = found(1.0, 0.0);
-        assert!((0.4..3.0).contains(&size) && gain.whitened < 10.0 && gain.raw > 100.0, "{size} {gain:?}");
-        let (_, gain) = found(0.0, 5.0);
-        assert!(gain.whitened > 30.0, "{gain:?}");
-        assert!((gain.size[0] - 5.0).abs() < 1.0, "{gain:?}");
-    }
-
-    /// -2 log of a normal density, without the constant 2 pi.
-    fn minus_two_log(r: &DVector<f64>, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
-        let factor = covariance.clone().cholesky().unwrap();
-        let off = r - mean;
-        off.dot(&factor.solve(&off)) + covariance.determinant().ln()
-    }
-
-    /// Eq. (2) and (4) against explicit densities: four readings, a parameter with a deviation of 0.3 from its prior, drift of a sensor
-    /// with two points, a shape with two coefficients.
-    #[test]
-    fn evidence_is_that_of_the_densities() {
-        let r = DVector::from_vec(vec![2.0, -1.0, 0.5, 3.0]);
-        let z = DMatrix::from_vec(4, 1, vec![1.0, 0.5, -0.5, 0.2]);
-        let s = DMatrix::from_vec(4, 2, vec![1.0, 0.0, 0.3, 2.0, 0.1, -1.0, 0.4, 0.6]);
-        let kernel = DMatrix::from_vec(2, 2, vec![1.0, 0.5, 0.5, 1.0]);
-        let mean = &z * DVector::from_element(1, -0.3);
-        let one = DMatrix::<f64>::identity(4, 4);
-        let plain = &one + &z * z.transpose();
-        let evidence = Evidence::new(r.clone(), &z, &[0.3], &DMatrix::zeros(4, 0), &[]).unwrap();
-        let power = s.transpose() * plain.clone().cholesky().unwrap().solve(&s);
-        let with = |size: f64| &plain + &s * &kernel * s.transpose() * (size / (power.trace() / 2.0));
-        let told = SIZES.iter().map(|size| minus_two_log(&r, &mean, &with(*size)));
-        let told = minus_two_log(&r, &mean, &plain) - told.fold(f64::INFINITY, f64::min);
-        let gain = evidence.shape(&s, &kernel).unwrap();
-        assert!((gain.raw - told).abs() < 1e-6, "{} instead of {told}", gain.raw);
-        let drift = DMatrix::from_vec(4, 2, vec![1.0, 0.5, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0]);
-        let evidence = Evidence::new(r.clone(), &z, &[0.3], &drift, &[(0.0, 0), (1e3, 0)]).unwrap();
-        let costs = DRIFTS.iter().map(|(sd, length)| {
-            let near = (-1e3 / length).exp();
-            let k = DMatrix::from_vec(2, 2, vec![1.0, near, near, 1.0]) * (sd * sd);
-            let drifting = &drift * k * drift.transpose();
-            // The determinant of the parameters alone is the same for all states and omitted.
-            let whole = minus_two_log(&r, &mean, &(&plain + &drifting));
-            whole - (&plain + &drifting).determinant().ln() + (&one + &drifting).determinant().ln()
-        });
-        let told = costs.fold(f64::INFINITY, f64::min);
-        assert!((evidence.cost().0 - told).abs() < 1e-4, "{:?} instead of {told}", evidence.cost());
-        // Structure error of each compared size, as covariance.
-        let structure = DMatrix::from_vec(4, 2, vec![0.3, -0.2, 1.5, 0.4, 1.0, 0.9, -0.8, 0.1]);
-        let evidence = Evidence::new(r.clone(), &z, &[0.3], &DMatrix::zeros(4, 0), &[]).unwrap();
-        let evidence = evidence.with_structure(&structure).unwrap();
-        assert!(evidence.states.len() > 3);
-        for state in &evidence.states {
-            let wrong = &structure * structure.transpose() * (state.size * state.size);
-            let whole = minus_two_log(&r, &mean, &(&plain + &wrong));
-            let told = whole - (&plain + &wrong).determinant().ln() + (&one + &wrong).determinant().ln();
-            assert!((state.cost - told).abs() < 1e-6, "{} instead of {told}", state.cost);
-        }
-    }
 }

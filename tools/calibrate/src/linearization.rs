@@ -2,7 +2,7 @@
 
 use crate::CalibrateError;
 use crate::catalogue::{LISTED, Listed, Way};
-use crate::evidence::Evidence;
+use crate::evidence::{Evidence, Series};
 use crate::experiment::Channel;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::{Addition, Shape, hat};
@@ -136,6 +136,8 @@ impl<'a> Linearization<'a> {
             let with = point.evidence.with_structure(columns);
             point.evidence = with.ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))?;
         }
+        let Linearization { evidence, .. } = &mut point;
+        *evidence = evidence.clone().with_memory().ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))?;
         // No further search from here; the memory is released, because many linearizations are kept.
         if ports.is_empty() {
             point.evidence.settle();
@@ -467,6 +469,18 @@ fn evidence(
         DMatrix::from_iterator(blocks, columns.len(), columns.iter().flatten().copied())
     };
     let (slopes, drift) = (matrix(&columns[..known]), matrix(&columns[known..]));
-    Evidence::new(DVector::from_vec(residual), &slopes, &apart, &drift, &knots)
+    // Neighbours in time of one output in one run.
+    let mut series: Vec<Series> = Vec::new();
+    let mut last = None;
+    for (k, (run, block)) in
+        runs.iter().flat_map(|r| setup.blocks[*r].iter().map(move |b| (r, b))).enumerate()
+    {
+        match series.last_mut().filter(|_| last == Some((run, block.output))) {
+            Some(own) => own.values.end = k + 1,
+            None => series.push(Series { output: block.output, values: k..k + 1 }),
+        }
+        last = Some((run, block.output));
+    }
+    Evidence::new(DVector::from_vec(residual), &slopes, &apart, &drift, &knots, series)
         .ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))
 }

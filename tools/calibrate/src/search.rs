@@ -25,6 +25,7 @@ use crate::hypothesis::{Addition, Number, Shape, hat, power};
 use crate::levels::{NEARLY, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
+use crate::selection::NEAR;
 use memory_terms::{FREE, histories, latent_inputs};
 pub use memory_terms::{best_memory_term, latent_input, latent_input_at, needs_memory};
 use nalgebra::DMatrix;
@@ -103,9 +104,22 @@ impl Scored {
     }
 }
 
-/// Penalty for the choice among all ports and drivers, each equally probable: -2 ln p.
-pub fn choice() -> f64 {
-    2.0 * ((Port::ALL.len() * Driver::ALL.iter().filter(|d| !d.is_heat()).count()) as f64).ln()
+/// Penalty for the choice among all ports and drivers: -2 ln p with equal probabilities. A law by which the fan or the ambient temperature
+/// acts inside the motor has to explain more, by strong evidence: they reach the motor and its sensors through the air only.
+pub fn choice(port: Port, follows: Follows) -> f64 {
+    let equal = 2.0 * ((Port::ALL.len() * Driver::ALL.iter().filter(|d| !d.is_heat()).count()) as f64).ln();
+    let of_the_air = [Driver::FanCommand, Driver::AmbientTemperature];
+    let is_outside = matches!(
+        port,
+        Port::FanFlow
+            | Port::HousingAmbientConductance
+            | Port::AmbientSensor
+            | Port::WindingSensor
+            | Port::HousingSensor
+            | Port::TorqueSensor
+    );
+    let is_odd = of_the_air.iter().any(|d| [Follows::Driver(*d), Follows::Late(*d)].contains(&follows));
+    equal + if is_odd && !is_outside { NEAR } else { 0.0 }
 }
 
 /// Knots over a driver's values in the runs: least, greatest, and points between.
@@ -374,7 +388,14 @@ fn smooth(point: &Linearization, port: Port, driver: Driver, per_number: f64) ->
     let columns = point.port_columns(port, knots.len(), |k, _, _, d| value(k, d))?;
     let gain = point.evidence.shape(&columns, &alike(&knots))?;
     let name = format!("{} over {}", port.name(), driver.name());
-    let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + choice(), &knots);
+    let mut found = scored(
+        name,
+        port,
+        Follows::Driver(driver),
+        &gain,
+        2.0 * per_number + choice(port, Follows::Driver(driver)),
+        &knots,
+    );
     let number = |(k, x): (usize, &f64)| Number {
         symbol: format!("value at {} = {x:.4}", driver.name()),
         value: gain.size[k],
@@ -411,7 +432,14 @@ fn powers(point: &Linearization, port: Port, driver: Driver, per_number: f64) ->
     let (exponent, gain) =
         EXPONENTS.iter().filter_map(|e| of(*e)).max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
     let name = format!("{} ~ {}^{exponent}", port.name(), driver.name());
-    let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + choice(), &[0.0]);
+    let mut found = scored(
+        name,
+        port,
+        Follows::Driver(driver),
+        &gain,
+        2.0 * per_number + choice(port, Follows::Driver(driver)),
+        &[0.0],
+    );
     let number = |symbol: &str, value: f64, limits: (f64, f64), unit: &'static str, scale: f64| Number {
         symbol: symbol.to_string(),
         value,

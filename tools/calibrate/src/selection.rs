@@ -17,7 +17,7 @@ use crate::outcome::{Evidence, Follows};
 use crate::search::{Scored, choice};
 use crate::setup::Setup;
 use gate::gate;
-pub use gate::{acting, predicts_where_it_acts};
+pub use gate::{acting, asked, predicts_where_it_acts};
 use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 
@@ -371,7 +371,8 @@ fn fitted<'a>(
     let setup = point.setup;
     let fitted = setup.fit(initial_guess(setup, start, addition), &point.runs)?;
     let larger = Linearization::judged(setup, fitted, &point.runs)?;
-    let cost = point.per_number() * addition.price() + if addition.is_listed() { 0.0 } else { choice() };
+    let cost = point.per_number() * addition.price()
+        + if addition.is_listed() { 0.0 } else { choice(addition.port, addition.follows) };
     let of_runs =
         if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
     let (before, after) = (point.evidence.cost(), larger.evidence.cost());

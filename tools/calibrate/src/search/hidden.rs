@@ -124,7 +124,7 @@ fn powers(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_numb
     let (exponent, gain) = gains.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
     let name = format!("{} ~ lag of {}^{exponent}", port.name(), late.lag.driver.name());
     let follows = Follows::Late(late.lag.driver);
-    let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(), &[0.0]);
+    let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &[0.0]);
     let spread = gain.covariance[(0, 0)].sqrt();
     let numbers = vec![
         number("coefficient".to_string(), gain.size[0], FREE, port.unit().name(), spread),
@@ -148,7 +148,8 @@ fn table(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_numbe
     let gain = point.evidence.shape(&columns, &super::alike(&knots))?;
     let driver = late.lag.driver;
     let name = format!("{} over lag of {}", port.name(), driver.name());
-    let mut found = scored(name, port, Follows::Late(driver), &gain, 3.0 * per_number + choice(), &knots);
+    let follows = Follows::Late(driver);
+    let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &knots);
     let value = |(k, x): (usize, &f64)| {
         let symbol = format!("value at lagged {} = {x:.4}", driver.name());
         number(symbol, gain.size[k], FREE, port.unit().name(), gain.covariance[(k, k)].sqrt())

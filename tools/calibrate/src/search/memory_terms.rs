@@ -87,7 +87,14 @@ pub(super) fn latent_inputs(point: &Linearization, port: Port, per_number: f64) 
     let free = latent_input(point, port)?;
     let gain = point.evidence.shape(&free.columns, &free.kernel)?;
     let name = format!("{}{FREE}", port.name());
-    Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + choice(), &free.at))
+    Some(scored(
+        name,
+        port,
+        Follows::History,
+        &gain,
+        2.0 * per_number + choice(port, Follows::History),
+        &free.at,
+    ))
 }
 
 /// Values of a driver at the rows of each run; for a temperature the readings, where there are any. A switch responds to the motor's true
@@ -112,7 +119,7 @@ pub(super) fn histories(point: &Linearization, port: Port, per_number: f64) -> V
     let mut best = |name: &str, numbers: f64, tried: Vec<(f64, Gain)>| {
         if let Some((at, gain)) = tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened)) {
             let name = format!("{} {name} {at:.4}", port.name());
-            let cost = numbers * per_number + choice();
+            let cost = numbers * per_number + choice(port, Follows::History);
             let mut found = scored(name, port, Follows::History, &gain, cost, &[at]);
             found.shape.truncate(1);
             all.push(found);

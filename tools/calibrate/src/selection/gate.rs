@@ -12,11 +12,6 @@ use crate::setup::{Setup, Shown};
 /// Fraction of a run that is held out if the effect acts in no validation run. Source: Hastie, Tibshirani, Friedman, The Elements of
 /// Statistical Learning (2nd ed., 2009), sec. 7.2: typically a quarter for validation.
 const HELD_OUT: f64 = 0.25;
-/// Greatest ratio of validation errors with and without a listed effect, required of terms that lower BIC by less than [`DECISIVE`];
-/// for unlisted terms it is 1 - [`STRUCTURE`]. Derivation: positive evidence, 2 (Kass, Raftery), from
-/// [`SAMPLES`](crate::levels::SAMPLES) readings of four outputs in a run: exp(-2 / (2 * 200)).
-const HARDLY: f64 = 0.995;
-
 type Judged = (Option<f64>, Option<String>);
 
 /// Applies the acceptance tests: ratio of validation errors with and without the candidate, and the reason for rejection.
@@ -25,6 +20,14 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
     if raw <= LEAST || white <= LEAST {
         let sentence = format!(
             "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {LEAST} is asked for"
+        );
+        return Ok((None, Some(sentence)));
+    }
+    let asked = asked(&candidate.point);
+    if candidate.sure() <= asked {
+        let sentence = format!(
+            "lowers BIC by {:.1}; the fit runs show structure error beside it, and more than {asked} is then asked for",
+            candidate.sure()
         );
         return Ok((None, Some(sentence)));
     }
@@ -46,21 +49,19 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
             format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
         return Ok((validation, Some(sentence)));
     }
-    let most = if addition.is_listed() { HARDLY } else { 1.0 - STRUCTURE };
-    let weak = candidate.sure() < DECISIVE;
-    if let Some(ratio) = validation.filter(|ratio| weak && *ratio >= most) {
-        let sentence = format!(
-            "what was not fitted is hardly predicted better: {ratio:.4} times the error without it; {most} is asked for"
-        );
-        return Ok((validation, Some(sentence)));
-    }
-    if let Some(fall) = foretold.map(|f| f.without - f.with).filter(|fall| *fall < NEAR) {
+    if let Some(fall) = foretold.map(|f| f.fall).filter(|fall| *fall < NEAR) {
         let sentence = format!(
             "what was not fitted is hardly predicted better: chi square falls by {fall:.1}; {NEAR} is asked for"
         );
         return Ok((validation, Some(sentence)));
     }
     Ok((validation, None))
+}
+
+/// Reduction of the cost that is required of an explanation which leaves this residual: where structure error is left, some law of its
+/// size is the best one of all that were tried, and no effect unless it stands out.
+pub fn asked(left: &Linearization) -> f64 {
+    if left.evidence.is_noise() { LEAST } else { DECISIVE }
 }
 
 /// Sentence on a listed sensor effect that is smaller than the calibration accuracy.
@@ -103,6 +104,19 @@ fn unlike(candidate: &Candidate) -> Option<String> {
 struct Validated {
     with: f64,
     without: f64,
+    /// Fall of the sum, each output divided by its variance inflation (Burnham, Anderson, Model Selection and Multimodel Inference, 2nd
+    /// ed., 2002, sec. 2.5): as many independent readings count as the memory of the noise leaves.
+    fall: f64,
+}
+
+impl Validated {
+    /// From the outputs with and without a candidate.
+    fn new(setup: &Setup, runs: &[usize], shown: [&[Shown]; 2], candidate: &Candidate) -> Validated {
+        let [with, without] = shown.map(|shown| setup.chi_squares(runs, shown));
+        let inflation = candidate.point.evidence.inflation();
+        let fall = with.iter().zip(&without).zip(&inflation).map(|((a, b), own)| (b - a) / own).sum();
+        Validated { with: with.iter().sum(), without: without.iter().sum(), fall }
+    }
 }
 
 /// Ratio of validation errors with and without a candidate: on the validation runs; if it acts in none of them, on the end of the runs in
@@ -121,8 +135,7 @@ fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Va
         let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
         let shown = setup.show(&with, &runs)?;
         if !partly || active {
-            let (with, without) = (setup.chi_square(&runs, &shown).0, setup.chi_square(&runs, &without).0);
-            return Ok(Some(Validated { with, without }));
+            return Ok(Some(Validated::new(setup, &runs, [&shown, &without], candidate)));
         }
     }
     let mut part = setup.clone();
@@ -140,11 +153,8 @@ fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Va
     }
     let without = part.fit(before.fitted.hypothesis.clone(), &before.runs)?;
     let with = part.fit(candidate.point.fitted.hypothesis.clone(), &before.runs)?;
-    let error = |fitted: &Fitted| -> Result<f64, CalibrateError> {
-        let shown = judged.show(&fitted.hypothesis, &held)?;
-        Ok(judged.chi_square(&held, &shown).0)
-    };
-    Ok(Some(Validated { with: error(&with)?, without: error(&without)? }))
+    let [with, without] = [&with, &without].map(|fitted: &Fitted| judged.show(&fitted.hypothesis, &held));
+    Ok(Some(Validated::new(&judged, &held, [&with?, &without?], candidate)))
 }
 
 /// Whether the outputs that a candidate explains in the fit runs have a smaller validation error with it, regardless of other outputs.
