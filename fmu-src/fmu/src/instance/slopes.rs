@@ -52,10 +52,13 @@ impl Instance {
         same_number("seeds", seed.len(), unknowns.len())?;
         same_number("places for derivatives", n, knowns.len())?;
         let moves: Outcome<Vec<Move>> = knowns.iter().map(|&known| self.known(known, 1.0)).collect();
+        // Only these contribute: usually one of many.
+        let seeded = unknowns.into_iter().zip(seed).filter(|(_, seed)| **seed != 0.0);
+        let (unknowns, seed): (Vec<&'static Entry>, Vec<f64>) = seeded.unzip();
         let mut sums = Vec::with_capacity(n);
         for one in moves? {
             let slopes = self.slopes(&[one], &unknowns)?;
-            sums.push(slopes.iter().zip(seed).map(|(slope, seed)| slope * seed).sum());
+            sums.push(slopes.iter().zip(&seed).map(|(slope, seed)| slope * seed).sum());
         }
         Ok(sums)
     }
