@@ -15,11 +15,13 @@
 //! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 2.7 and 5.4; Kennedy, O'Hagan, J. R. Stat. Soc. B
 //! 63 (2001) 425-464 (structure error).
 
+mod gains;
 mod memory;
 #[cfg(test)]
 mod tests;
 
 use crate::levels::NEGLIGIBLE;
+use gains::Seen;
 pub use memory::{Memory, Series};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -64,6 +66,8 @@ struct Noise {
     r: DVector<f64>,
     /// Columns of parameters, sensor drift and structure error, whitened.
     z: DMatrix<f64>,
+    /// Z'Z.
+    ztz: DMatrix<f64>,
     /// Log determinant of the covariance.
     determinant: f64,
     /// Compared hyperparameters: drift sizes and correlation times, sizes of the structure error.
@@ -71,13 +75,10 @@ struct Noise {
 }
 
 impl Noise {
-    fn white(r: DVector<f64>, z: DMatrix<f64>) -> Noise {
-        Noise { memory: None, r, z, determinant: 0.0, states: Vec::new() }
-    }
-
-    /// Z'Z and Z'r.
-    fn sums(&self) -> (DMatrix<f64>, DVector<f64>) {
-        (self.z.tr_mul(&self.z), self.z.tr_mul(&self.r))
+    /// White noise of the stated size; `known` are the first rows and columns of Z'Z.
+    fn white(r: DVector<f64>, z: DMatrix<f64>, known: &DMatrix<f64>) -> Noise {
+        let ztz = squares(&z, known);
+        Noise { memory: None, r, z, ztz, determinant: 0.0, states: Vec::new() }
     }
 
     /// Columns in units of this noise.
@@ -139,9 +140,9 @@ impl Evidence {
     ) -> Option<Evidence> {
         let mut evidence =
             Evidence { apart: apart.to_vec(), knots: knots.to_vec(), series, noises: Vec::new() };
-        let mut white = Noise::white(r, beside(slopes, drift));
-        let sums = white.sums();
-        let states = evidence.drifts().iter().map(|drift| evidence.state(&white, &sums, *drift, 0.0));
+        let mut white = Noise::white(r, beside(slopes, drift), &DMatrix::zeros(0, 0));
+        let ztr = white.z.tr_mul(&white.r);
+        let states = evidence.drifts().iter().map(|drift| evidence.state(&white, &ztr, *drift, 0.0));
         white.states = states.collect::<Option<Vec<_>>>()?;
         evidence.noises.push(white);
         Some(evidence)
@@ -155,22 +156,23 @@ impl Evidence {
     /// The null model extended by structure error with the directions `columns` for a size of 1.
     pub fn with_structure(&self, columns: &DMatrix<f64>) -> Option<Evidence> {
         let own = &self.noises[0];
-        let mut white = Noise::white(own.r.clone(), beside(&own.z, columns));
-        let mut other = Evidence { noises: Vec::new(), ..self.clone() };
-        let sums = white.sums();
-        let plain = own.states.iter().map(|s| other.state(&white, &sums, s.drift, 0.0));
+        let mut white = Noise::white(own.r.clone(), beside(&own.z, columns), &own.ztz);
+        let (apart, knots, series) = (self.apart.clone(), self.knots.clone(), self.series.clone());
+        let mut other = Evidence { apart, knots, series, noises: Vec::new() };
+        let ztr = white.z.tr_mul(&white.r);
+        let plain = own.states.iter().map(|s| other.state(&white, &ztr, s.drift, 0.0));
         let plain = plain.collect::<Option<Vec<_>>>()?;
         let drift = own.fitting().drift;
         // Increase the size while the cost decreases, then take the vertex of the parabola through the last three, over the logarithm.
         let mut sizes: Vec<State> = Vec::new();
         while columns.ncols() > 0 && !rises(&sizes) {
             let size = sizes.last().map_or(NEGLIGIBLE, |s| APART * s.size);
-            sizes.push(other.state(&white, &sums, drift, size)?);
+            sizes.push(other.state(&white, &ztr, drift, size)?);
         }
         if let [.., a, b, c] = &sizes[..] {
             let way = vertex([a.cost, b.cost, c.cost]);
             let size = b.size * APART.powf(way);
-            sizes.push(other.state(&white, &sums, drift, size)?);
+            sizes.push(other.state(&white, &ztr, drift, size)?);
         }
         let least = |states: &[State]| states.iter().map(|s| s.cost).fold(f64::INFINITY, f64::min);
         white.states = if least(&sizes) >= least(&plain) {
@@ -179,7 +181,7 @@ impl Evidence {
             // With structure error, another drift may be optimal.
             let size = sizes.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?.size;
             for own in plain.iter().filter(|s| s.drift != drift) {
-                let next = other.state(&white, &sums, own.drift, size)?;
+                let next = other.state(&white, &ztr, own.drift, size)?;
                 if next.cost < least(&sizes) {
                     sizes.push(next);
                 }
@@ -205,22 +207,19 @@ impl Evidence {
                 break;
             }
             let r = DMatrix::from_columns(std::slice::from_ref(&white.r));
-            let mut noise = Noise {
-                r: memory.whitened(&self.series, &r).column(0).into_owned(),
-                z: memory.whitened(&self.series, &white.z),
-                determinant: memory.log_determinant(&self.series),
-                memory: Some(memory),
-                states: Vec::new(),
-            };
-            let sums = noise.sums();
+            let r = memory.whitened(&self.series, &r).column(0).into_owned();
+            let z = memory.whitened(&self.series, &white.z);
+            let (determinant, ztr) = (memory.log_determinant(&self.series), z.tr_mul(&r));
+            let same = Noise::white(r, z, &DMatrix::zeros(0, 0));
+            let mut noise = Noise { memory: Some(memory), determinant, ..same };
             // Memory takes over part of what drift and structure error described.
             let sizes = [0.0, hyper.1 / APART, hyper.1, hyper.1 * APART];
             for drift in self.drifts() {
-                noise.states.push(self.state(&noise, &sums, *drift, hyper.1)?);
+                noise.states.push(self.state(&noise, &ztr, *drift, hyper.1)?);
             }
             let drift = noise.fitting().drift;
             for size in sizes.into_iter().filter(|size| *size != hyper.1) {
-                noise.states.push(self.state(&noise, &sums, drift, size)?);
+                noise.states.push(self.state(&noise, &ztr, drift, size)?);
             }
             let best = noise.fitting();
             if found.as_ref().is_some_and(|known| known.fitting().cost <= best.cost) {
@@ -250,24 +249,20 @@ impl Evidence {
     /// Releases all memory except the cost.
     pub fn release(&mut self) {
         self.settle();
-        self.noises.iter_mut().for_each(|noise| noise.z = DMatrix::zeros(0, 0));
+        for noise in &mut self.noises {
+            (noise.z, noise.ztz) = (DMatrix::zeros(0, 0), DMatrix::zeros(0, 0));
+        }
     }
 
     /// The null model for given noise, drift and size of the structure error.
-    fn state(
-        &self,
-        noise: &Noise,
-        (ztz, ztr): &(DMatrix<f64>, DVector<f64>),
-        drift: (f64, f64),
-        size: f64,
-    ) -> Option<State> {
+    fn state(&self, noise: &Noise, ztr: &DVector<f64>, drift: (f64, f64), size: f64) -> Option<State> {
         let p = self.apart.len();
         let (l, prior_determinant) = self.precision(noise.z.ncols(), drift, size)?;
         let finite = |(k, apart): (usize, &f64)| apart.is_finite().then_some((k, *apart));
         let apart = || self.apart.iter().enumerate().filter_map(finite);
         let mut rhs = ztr.clone();
         apart().for_each(|(k, apart)| rhs[k] -= apart);
-        let whole = ztz + &l;
+        let whole = &noise.ztz + &l;
         let coefficients = noise.z.ncols() - p;
         let inner = whole.view((p, p), (coefficients, coefficients)).into_owned();
         let determinant = noise.determinant + prior_determinant + log_determinant(&inner.cholesky()?);
@@ -401,23 +396,11 @@ impl Evidence {
         (c.rows(0, parameters).iter().copied().collect(), view)
     }
 
-    /// Eq. (3). `None` if the columns are collinear with those of the null model.
-    pub fn gain(&self, s: &DMatrix<f64>) -> Option<Gain> {
-        self.best(s, |s, power, seen| {
-            if (0..power.nrows()).any(|j| power[(j, j)] <= ROUNDING * s.column(j).norm_squared()) {
-                return None;
-            }
-            let factor = power.clone().cholesky()?;
-            let size = factor.solve(seen);
-            Some((seen.dot(&size), size, factor))
-        })
-    }
-
     /// Eq. (4): columns of one smooth shape, with the prior covariance `kernel` of their coefficients.
     pub fn shape(&self, s: &DMatrix<f64>, kernel: &DMatrix<f64>) -> Option<Gain> {
         let factor = kernel.clone().cholesky()?;
         let (inverse, prior) = (factor.inverse(), log_determinant(&factor));
-        self.best(s, |_, power, seen| {
+        self.best(&self.seen(s), |_, power, seen| {
             let scale = power.trace() / power.nrows() as f64;
             if scale.is_nan() || scale <= 0.0 {
                 return None;
@@ -433,22 +416,20 @@ impl Evidence {
         })
     }
 
-    /// The best result of `explain`, a function of S, S'PS and S'Pr, over all compared hyperparameters.
+    /// The best result of `explain`, a function of S'S, S'PS and S'Pr, over all compared hyperparameters.
     fn best(
         &self,
-        s: &DMatrix<f64>,
+        products: &[Seen],
         explain: impl Fn(&DMatrix<f64>, &DMatrix<f64>, &DVector<f64>) -> Option<Explained>,
     ) -> Option<Gain> {
         let mut best: Option<(f64, Explained, (usize, usize))> = None;
         let mut raw = 0.0;
-        for (n, noise) in self.noises.iter().enumerate() {
-            let s = noise.whitened(&self.series, s);
-            let (sts, zts) = (s.tr_mul(&s), noise.z.tr_mul(&s));
+        for (n, (noise, own)) in self.noises.iter().zip(products).enumerate() {
             for (k, state) in noise.states.iter().enumerate() {
-                let seen_too = state.factor.l_dirty().solve_lower_triangular(&zts)?;
-                let power = &sts - seen_too.tr_mul(&seen_too);
-                let seen = s.tr_mul(&state.left);
-                let Some((gain, size, factor)) = explain(&s, &power, &seen) else { continue };
+                let seen_too = state.factor.l_dirty().solve_lower_triangular(&own.zts)?;
+                let power = &own.sts - seen_too.tr_mul(&seen_too);
+                let seen = own.left.column(k).into_owned();
+                let Some((gain, size, factor)) = explain(&own.sts, &power, &seen) else { continue };
                 if (n, k) == (0, 0) {
                     raw = gain;
                 }
@@ -480,6 +461,18 @@ fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     z.columns_mut(0, a.ncols()).copy_from(a);
     z.columns_mut(a.ncols(), b.ncols()).copy_from(b);
     z
+}
+
+/// Z'Z; `known` are its first rows and columns.
+fn squares(z: &DMatrix<f64>, known: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut all = known.clone().resize(z.ncols(), z.ncols(), 0.0);
+    for a in known.ncols()..z.ncols() {
+        for b in 0..=a {
+            all[(a, b)] = z.column(a).dot(&z.column(b));
+            all[(b, a)] = all[(a, b)];
+        }
+    }
+    all
 }
 
 fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {

@@ -37,6 +37,8 @@ pub use structure::structure;
 const KNOTS: usize = 7;
 /// Times per run at which a step change is tried. Numerical: every row near the best one follows.
 const TIMES: usize = 60;
+/// Number of times for which the gains are computed together. Numerical: a block of columns that fits into the cache.
+const TOGETHER: usize = 32;
 /// A driver whose variation is less than this fraction of its size cannot determine a shape. Numerical: excludes constant drivers.
 const STILL: f64 = 0.01;
 /// Number of best shapes for which power laws are tried. Numerical: a power law is also a smooth shape, so those of further shapes
@@ -295,15 +297,15 @@ fn named(listed: &Listed, name: String, addition: Addition, gain: &Gain, cost: f
 fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain)> {
     let clock = |r: usize, row: usize| point.setup.drives[point.runs[r]].time[row];
     let best = |times: Vec<f64>| -> Vec<(f64, Gain)> {
-        let mut gains: Vec<(f64, Gain)> = times
-            .par_iter()
-            .filter_map(|at| {
-                let after = |r: usize, row: usize| if clock(r, row) >= *at { -1.0 } else { 0.0 };
-                let column = point.port_columns(addition.port, 1, |_, r, row, _| after(r, row))?;
-                let gain = point.evidence.gain(&column)?;
-                within(gain.size[0], addition.numbers[0].limits).then_some((*at, gain))
-            })
-            .collect();
+        let part = |times: &[f64]| -> Vec<(f64, Gain)> {
+            let after = |at: f64, r: usize, row: usize| if clock(r, row) >= at { -1.0 } else { 0.0 };
+            let columns =
+                point.port_columns(addition.port, times.len(), |k, r, row, _| after(times[k], r, row));
+            let gains = columns.map_or_else(Vec::new, |columns| point.evidence.gains(&columns));
+            let known = times.iter().zip(gains).filter_map(|(at, gain)| Some((*at, gain?)));
+            known.filter(|(_, gain)| within(gain.size[0], addition.numbers[0].limits)).collect()
+        };
+        let mut gains: Vec<(f64, Gain)> = times.par_chunks(TOGETHER).flat_map_iter(part).collect();
         gains.sort_by(|a, b| b.1.whitened.total_cmp(&a.1.whitened));
         gains
     };
@@ -422,15 +424,16 @@ fn powers(point: &Linearization, port: Port, driver: Driver, per_number: f64) ->
     knots(point, driver)?;
     let factor = scale(point, driver);
     let hidden = point.hidden(Some(driver));
-    let of = |exponent: f64| {
-        let value = |d: &Drivers| if hidden(d) { 0.0 } else { power(&factor, d.of(driver), exponent) };
-        let gain = point.evidence.gain(&point.port_columns(port, 1, |_, _, _, d| value(d))?)?;
-        // A drag or a voltage drop with negative coefficient would be a source and is not physical.
-        let physical = !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;
-        physical.then_some((exponent, gain))
+    let value = |k: usize, d: &Drivers| {
+        if hidden(d) { 0.0 } else { power(&factor, d.of(driver), EXPONENTS[k]) }
     };
-    let (exponent, gain) =
-        EXPONENTS.iter().filter_map(|e| of(*e)).max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
+    let columns = point.port_columns(port, EXPONENTS.len(), |k, _, _, d| value(k, d))?;
+    let gains = EXPONENTS.into_iter().zip(point.evidence.gains(&columns));
+    // A drag or a voltage drop with negative coefficient would be a source and is not physical.
+    let is_physical =
+        |gain: &Gain| !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;
+    let physical = gains.filter_map(|(exponent, gain)| Some((exponent, gain.filter(is_physical)?)));
+    let (exponent, gain) = physical.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
     let name = format!("{} ~ {}^{exponent}", port.name(), driver.name());
     let mut found = scored(
         name,

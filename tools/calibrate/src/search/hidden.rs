@@ -43,9 +43,8 @@ impl Late {
         Late { lag, reached, factor: Factor { reference: most, ..factor } }
     }
 
-    fn gain(&self, point: &Linearization, port: Port, exponent: f64) -> Option<Gain> {
-        let value = |r: usize, row: usize| power(&self.factor, self.reached[r][row], exponent);
-        point.evidence.gain(&point.port_columns(port, 1, |_, r, row, _| value(r, row))?)
+    fn value(&self, r: usize, row: usize, exponent: f64) -> f64 {
+        power(&self.factor, self.reached[r][row], exponent)
     }
 }
 
@@ -78,14 +77,20 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
     let places: Vec<(Port, Driver)> =
         ports.iter().flat_map(|p| drivers.iter().map(move |d| (*p, *d))).collect();
     let find = |(port, driver): &(Port, Driver)| {
-        let own = late.iter().filter(|l| l.lag.driver == *driver);
-        let gains = own.filter_map(|l| Some((l, l.gain(point, *port, 1.0)?)));
-        let (best, _) = gains.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
+        let own: Vec<&Late> = late.iter().filter(|l| l.lag.driver == *driver).collect();
+        let columns = point.port_columns(*port, own.len(), |k, r, row, _| own[k].value(r, row, 1.0))?;
+        let gains = own.into_iter().zip(point.evidence.gains(&columns));
+        let (best, _) = best(gains)?;
         let laws =
             [powers(point, *port, best, &taus, per_number), table(point, *port, best, &taus, per_number)];
         Some(laws.into_iter().flatten())
     };
     places.par_iter().filter_map(find).flat_map_iter(|laws| laws).collect()
+}
+
+fn best<T>(gains: impl Iterator<Item = (T, Option<Gain>)>) -> Option<(T, Gain)> {
+    let known = gains.filter_map(|(tried, gain)| Some((tried, gain?)));
+    known.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))
 }
 
 /// Time constant of a lag as a fitted parameter.
@@ -120,8 +125,9 @@ fn addition(point: &Linearization, port: Port, late: &Late, shape: Shape, number
 }
 
 fn powers(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
-    let gains = EXPONENTS.iter().filter_map(|e| Some((*e, late.gain(point, port, *e)?)));
-    let (exponent, gain) = gains.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
+    let columns =
+        point.port_columns(port, EXPONENTS.len(), |k, r, row, _| late.value(r, row, EXPONENTS[k]))?;
+    let (exponent, gain) = best(EXPONENTS.into_iter().zip(point.evidence.gains(&columns)))?;
     let name = format!("{} ~ lag of {}^{exponent}", port.name(), late.lag.driver.name());
     let follows = Follows::Late(late.lag.driver);
     let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &[0.0]);

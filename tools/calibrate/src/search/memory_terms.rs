@@ -142,17 +142,22 @@ pub(super) fn histories(point: &Linearization, port: Port, per_number: f64) -> V
             });
             states.collect()
         };
-        let gain = |states: Vec<Vec<f64>>| {
-            let moves = states.iter().any(|run| run.iter().any(|on| *on != states[0][0]));
-            let columns = moves.then(|| point.port_columns(port, 1, |_, r, row, _| states[r][row]))??;
-            point.evidence.gain(&columns)
+        // Gains of switched inputs, one for each pair of switching values, with the upper one.
+        let gains = |tried: Vec<(f64, f64)>| -> Vec<(f64, Gain)> {
+            let states: Vec<_> = tried.iter().map(|(up, down)| (*up, switched(*up, *down))).collect();
+            let moves = |(_, states): &(f64, Vec<Vec<f64>>)| {
+                states.iter().any(|run| run.iter().any(|on| *on != states[0][0]))
+            };
+            let states: Vec<_> = states.into_iter().filter(moves).collect();
+            let columns = point.port_columns(port, states.len(), |k, r, row, _| states[k].1[r][row]);
+            let gains = columns.map_or_else(Vec::new, |columns| point.evidence.gains(&columns));
+            states.iter().zip(gains).filter_map(|((x, _), gain)| Some((*x, gain?))).collect()
         };
-        let latched = thresholds.iter().filter_map(|x| Some((*x, gain(switched(*x, f64::NEG_INFINITY))?)));
-        best(&format!("latched by {} above", driver.name()), 3.0, latched.collect());
+        let latched = thresholds.iter().map(|x| (*x, f64::NEG_INFINITY)).collect();
+        best(&format!("latched by {} above", driver.name()), 3.0, gains(latched));
         if matches!(driver, Driver::WindingTemperature | Driver::HousingTemperature) {
-            let tried = thresholds.iter().flat_map(|x| WIDTHS.iter().map(move |w| (*x, *w)));
-            let tried = tried.filter_map(|(x, w)| Some((x, gain(switched(x, x - w))?)));
-            best(&format!("switched by {} with hysteresis above", driver.name()), 4.0, tried.collect());
+            let tried = thresholds.iter().flat_map(|x| WIDTHS.iter().map(move |w| (*x, *x - w))).collect();
+            best(&format!("switched by {} with hysteresis above", driver.name()), 4.0, gains(tried));
         }
     }
     let longest = point.runs.iter().enumerate().map(|(r, _)| clock(point, r)).map(|t| t[t.len() - 1] - t[0]);
