@@ -130,8 +130,8 @@ pub struct Setup<'a> {
     pub structure: Arc<OnceLock<DMatrix<f64>>>,
     /// Time window of each run: from and to, s.
     pub windows: Vec<(f64, f64)>,
-    /// Blocks of each run.
-    pub blocks: Vec<Vec<Block>>,
+    /// Blocks of each run; shared by the copies of the setup.
+    pub blocks: Vec<Arc<Vec<Block>>>,
 }
 
 /// Outputs predicted at every row of a run: rows times outputs, in SI units.
@@ -173,7 +173,7 @@ impl<'a> Setup<'a> {
             .runs
             .iter()
             .zip(&windows)
-            .map(|(run, window)| blocks(experiment, run, *window))
+            .map(|(run, window)| Arc::new(blocks(experiment, run, *window)))
             .collect();
         Ok(Setup {
             experiment,
@@ -217,7 +217,7 @@ impl<'a> Setup<'a> {
     pub fn with_window(&self, run: usize, window: (f64, f64)) -> Setup<'a> {
         let mut other = self.clone();
         other.windows[run] = window;
-        other.blocks[run] = blocks(self.experiment, &self.experiment.runs[run], window);
+        other.blocks[run] = Arc::new(blocks(self.experiment, &self.experiment.runs[run], window));
         other
     }
 
@@ -225,7 +225,7 @@ impl<'a> Setup<'a> {
     pub fn counted(&self, run: usize) -> Option<(f64, f64)> {
         let time = &self.drives[run].time;
         let mut ends: Option<(f64, f64)> = None;
-        for block in &self.blocks[run] {
+        for block in self.blocks[run].iter() {
             let (a, b) = (time[block.rows[0] as usize], time[block.rows[block.rows.len() - 1] as usize]);
             ends = Some(ends.map_or((a, b), |(from, to)| (from.min(a), to.max(b))));
         }
@@ -467,7 +467,7 @@ mod tests {
                 let chunks: Vec<Vec<u32>> = all.chunks(length).map(<[u32]>::to_vec).collect();
                 chunks.into_iter().map(move |rows| Block { output, rows, time: 0.0 })
             };
-            setup.blocks[0] = (0..4).flat_map(of).collect();
+            setup.blocks[0] = Arc::new((0..4).flat_map(of).collect());
             let mut rng = testing::rng(5);
             let (mut sum, mut count) = (0.0, 0);
             for _ in 0..20 {
