@@ -57,9 +57,10 @@ pub fn is_reached(beyond: f64) -> bool {
     beyond >= -AT_LIMIT || beyond.is_nan()
 }
 
-/// Whether a temperature with this excess over its limit, K, is above it; at the limit, the sign of its rate decides.
-pub fn is_above(excess: f64, rate: f64) -> bool {
-    if excess.abs() <= AT_LIMIT { rate > 0.0 } else { excess > 0.0 }
+/// Whether a temperature with this excess over its limit, K, is above it; at the limit, the sign of its rate decides, which is evaluated
+/// only there.
+pub fn is_above(excess: f64, rate: impl FnOnce() -> f64) -> bool {
+    if excess.abs() <= AT_LIMIT { rate() > 0.0 } else { excess > 0.0 }
 }
 
 #[cfg(test)]
@@ -69,8 +70,8 @@ mod tests {
     #[test]
     fn at_the_limit_the_direction_decides() {
         for excess in [0.0, 1e-12, -1e-12] {
-            assert!(is_above(excess, 0.1) && !is_above(excess, -0.1) && !is_above(excess, 0.0));
+            assert!(is_above(excess, || 0.1) && !is_above(excess, || -0.1) && !is_above(excess, || 0.0));
         }
-        assert!(is_above(1e-3, -5.0) && !is_above(-1e-3, 5.0));
+        assert!(is_above(1e-3, || -5.0) && !is_above(-1e-3, || 5.0));
     }
 }

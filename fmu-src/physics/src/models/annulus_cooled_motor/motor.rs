@@ -374,7 +374,7 @@ impl Equations<ALL> for Motor {
         // At the border of a sector the direction of rotation decides.
         let ahead = NEAR_SECTOR * run.own.state.x[1].signum();
         let excess = Self::indicators(run, &()).over_temperature;
-        let warming = Self::rates(run, &()).map_or(0.0, |rates| run.warming(&rates));
+        let warming = || Self::rates(run, &()).map_or(0.0, |rates| run.warming(&rates));
         Discrete {
             sector: ((run.electrical_angle(&run.own.state) + ahead) / FRAC_PI_3).floor(),
             over_temperature: is_above(excess, warming),

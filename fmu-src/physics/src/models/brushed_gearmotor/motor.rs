@@ -253,7 +253,7 @@ impl Equations<STATES> for Gearmotor {
 
     fn discrete(run: &BrushedGearmotor, _: &Discrete) -> Discrete {
         let duty = run.inputs.duty;
-        let warming = Self::coupled_rates(run, &())[FIRST_NODE + WINDING];
+        let warming = || Self::rates(run, &()).map_or(f64::NAN, |rates| rates[FIRST_NODE + WINDING]);
         Discrete {
             direction: if duty == 0.0 { 0.0 } else { duty.signum() },
             over_temperature: is_above(Self::indicators(run, &()).over_temperature, warming),
