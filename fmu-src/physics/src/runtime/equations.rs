@@ -120,9 +120,9 @@ pub trait Equations<const N: usize>: Clone + Debug + Saved + Send + Sync + Sized
     /// # Errors
     /// Parameters without valid equations.
     fn rates(run: &Runtime<Self, N>, point: &Self::Point) -> Result<[f64; N], Fault>;
-    /// Derivatives of the coupled states; the others may be NaN.
-    fn coupled_rates(run: &Runtime<Self, N>, point: &Self::Point) -> [f64; N] {
-        Self::rates(run, point).unwrap_or([f64::NAN; N])
+    /// Derivatives of the coupled states, while the others may be NaN, and the outputs.
+    fn coupled_rates_and_outputs(run: &Runtime<Self, N>, point: &Self::Point) -> ([f64; N], Self::Outputs) {
+        (Self::rates(run, point).unwrap_or([f64::NAN; N]), Self::outputs(run, point))
     }
 
     /// Next time event after `time`, s; infinite without one.

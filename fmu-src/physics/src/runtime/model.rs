@@ -160,7 +160,10 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
     }
 
     fn rates(&mut self, out: &mut Vec<f64>) {
-        let all = self.look(M::coupled_rates);
+        // Outputs share most of the evaluation and are usually read next.
+        let all;
+        (all, self.outputs) = self.look(M::coupled_rates_and_outputs);
+        self.has_outputs = true;
         out.extend(self.followed.iter().map(|k| all[k]));
     }
 

@@ -55,7 +55,7 @@ pub struct Discrete {
     /// The sector of block commutation since the last event.
     sector: f64,
     /// Whether the winding was above its limit at the last event.
-    over_temperature: bool,
+    pub(super) over_temperature: bool,
     /// Whether the duty was zero at the last event.
     idle: bool,
     /// Factor on the heat capacities that the energy balance contains.
@@ -248,12 +248,7 @@ impl Equations<ALL> for Motor {
     fn point(_: &AnnulusCooledMotor) {}
 
     fn outputs(run: &AnnulusCooledMotor, (): &()) -> Outputs {
-        let mut outputs =
-            run.observe(false, |now| now.step.outputs(&run.own.state, run.own.t_sensor, &run.own.phases));
-        if let Some(pre) = &run.pre {
-            outputs.over_temperature = pre.discrete.over_temperature;
-        }
-        outputs
+        run.observe(false, |now| now.outputs())
     }
 
     #[inline]
@@ -357,8 +352,8 @@ impl Equations<ALL> for Motor {
         }
     }
 
-    fn coupled_rates(run: &AnnulusCooledMotor, (): &()) -> [f64; ALL] {
-        run.observe(true, |now| now.rates_of_heat_and_motion())
+    fn coupled_rates_and_outputs(run: &AnnulusCooledMotor, (): &()) -> ([f64; ALL], Outputs) {
+        run.observe(true, |now| (now.rates_of_heat_and_motion(), now.outputs()))
     }
 
     fn next_event(run: &AnnulusCooledMotor, time: f64) -> f64 {

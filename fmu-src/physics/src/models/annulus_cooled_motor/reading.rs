@@ -9,6 +9,7 @@ use super::network::Network;
 use super::state_list::{
     ALL, ANGLE, All, CORE, CURRENT, ENERGIES, HOUSING, LAGS, PHASES, ROTOR, SENSOR, SPEED, TUBE, WINDING,
 };
+use super::variables::Outputs;
 use crate::effects::{PerNode, Port};
 use crate::solver::split::System;
 
@@ -60,6 +61,15 @@ impl AnnulusCooledMotor {
 }
 
 impl Reading<'_> {
+    pub(super) fn outputs(&self) -> Outputs {
+        let own = &self.run.own;
+        let mut outputs = self.step.outputs(&own.state, own.t_sensor, &own.phases);
+        if let Some(pre) = &self.run.pre {
+            outputs.over_temperature = pre.discrete.over_temperature;
+        }
+        outputs
+    }
+
     /// Derivatives of all states; zero for states that are not in use.
     pub(super) fn rates(&self) -> All {
         let Reading { run, step, network, .. } = self;
