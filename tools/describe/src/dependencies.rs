@@ -304,7 +304,7 @@ impl Note<'_> {
         };
         let Some(before) = read(point(), time) else { return };
         for &known in knowns {
-            for value in self.moves(known, probe, point().as_mut()) {
+            for value in self.moves(known, probe, &point) {
                 let mut model = point();
                 let mut at = time;
                 match known {
@@ -353,13 +353,13 @@ impl Note<'_> {
     }
 
     /// The values of a varied quantity.
-    fn moves(&self, known: Known, probe: &mut Probe, model: &mut dyn Model) -> Vec<f64> {
+    fn moves(&self, known: Known, probe: &mut Probe, point: impl Fn() -> Box<dyn Model>) -> Vec<f64> {
         let entry = match known {
             Known::Entry(k) | Known::State(_, k) => &self.declaration.entries[k],
             Known::Time => return vec![START + probe.fraction(), START + 1e3 * probe.fraction()],
         };
         if let Known::State(..) = known {
-            let (value, way) = (model.get(entry.slot), 0.01 * entry.row.nominal);
+            let (value, way) = (point().get(entry.slot), 0.01 * entry.row.nominal);
             // The last value is far enough to pass a limit, also for a temperature difference.
             let far = if entry.row.relative { 300.0 } else { 60.0 * way };
             return vec![value + way * probe.fraction(), value - way * probe.fraction(), value + far];
