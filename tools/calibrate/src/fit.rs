@@ -161,6 +161,14 @@ impl Slopes {
         }
     }
 
+    /// Whether another hypothesis changes the model in any of the runs ([`Tangent::is_moved_by`]); true if that is no longer known.
+    pub fn are_moved_by(&self, setup: &Setup, other: &Hypothesis) -> bool {
+        let is_moved = |(&run, tangent): (&usize, &Tangent)| {
+            tangent.is_moved_by(&setup.bench, &setup.smooth[run], &setup.change(other, run))
+        };
+        self.tangents.is_empty() || self.runs.iter().zip(&self.tangents).any(is_moved)
+    }
+
     /// Number of parameters.
     pub fn count(&self) -> usize {
         self.leads.len()

@@ -9,6 +9,10 @@
 //! *Assumes* small perturbations; large ones require simulation. *Source*: Hochbruck, Ostermann, Acta Numerica 19
 //! (2010), for the phi functions.
 
+mod influence;
+#[cfg(test)]
+mod tests;
+
 use crate::CalibrateError;
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
@@ -68,6 +72,9 @@ pub struct Tangent {
     pub directions: Vec<Option<Direction>>,
     states: usize,
     outputs: usize,
+    /// States and rates at every row: rows times states.
+    at: Vec<f64>,
+    rates: Vec<f64>,
     /// C of (1): rows times outputs times states.
     seen: Vec<f64>,
     /// The three matrices of (2) by rows, for each interval between rows.
@@ -75,16 +82,19 @@ pub struct Tangent {
 }
 
 /// Model at the states of one row.
+#[derive(Default)]
 struct Instant {
     rates: Vec<f64>,
     outputs: Vec<f64>,
 }
 
 impl Instant {
-    fn of(model: &mut dyn Model, outputs: &[Slot]) -> Instant {
-        let mut rates = Vec::new();
-        model.rates(&mut rates);
-        Instant { rates, outputs: outputs.iter().map(|slot| model.get(*slot)).collect() }
+    /// The memory is used again at every row.
+    fn read(&mut self, model: &mut dyn Model, outputs: &[Slot]) {
+        self.rates.clear();
+        model.rates(&mut self.rates);
+        self.outputs.clear();
+        self.outputs.extend(outputs.iter().map(|slot| model.get(*slot)));
     }
 }
 
@@ -112,7 +122,9 @@ impl Tangent {
         let mut drivers = Vec::with_capacity(rows);
         let mut seen = Vec::with_capacity(rows * m * n);
         let mut slopes: Vec<DMatrix<f64>> = Vec::with_capacity(rows);
-        let mut states = Vec::with_capacity(n);
+        let (mut at, mut rates) = (Vec::with_capacity(rows * n), Vec::with_capacity(rows * n));
+        let mut states: Vec<f64> = Vec::with_capacity(n);
+        let (mut here, mut there) = (Instant::default(), Instant::default());
         bench.along(drive, model.as_mut(), |model, row| {
             let time = drive.time[row];
             states.clear();
@@ -120,16 +132,19 @@ impl Tangent {
             drivers.push(model.drivers());
             drive.hold(base.as_mut(), bench.inputs(), row);
             base.set_states(time, &states);
-            let here = Instant::of(base.as_mut(), outputs);
+            here.read(base.as_mut(), outputs);
             shown.extend(&here.outputs);
+            at.extend(&states);
+            rates.extend(&here.rates);
             let mut by_state = DMatrix::zeros(n, n);
-            let mut seen_here = vec![0.0; m * n];
+            seen.resize((row + 1) * m * n, 0.0);
+            let seen_here = &mut seen[row * m * n..];
             for k in 0..n {
-                let way = WAY * states[k].abs().max(1.0);
-                let mut aside = states.clone();
-                aside[k] += way;
-                base.set_states(time, &aside);
-                let there = Instant::of(base.as_mut(), outputs);
+                let (from, way) = (states[k], WAY * states[k].abs().max(1.0));
+                states[k] += way;
+                base.set_states(time, &states);
+                states[k] = from;
+                there.read(base.as_mut(), outputs);
                 for j in 0..n {
                     by_state[(j, k)] = (there.rates[j] - here.rates[j]) / way;
                 }
@@ -138,7 +153,6 @@ impl Tangent {
                 }
             }
             slopes.push(by_state);
-            seen.extend(seen_here);
             for probe in moved.iter_mut().flatten() {
                 probe.look(bench, drive, row, &states, &here);
             }
@@ -152,6 +166,8 @@ impl Tangent {
             directions,
             states: n,
             outputs: m,
+            at,
+            rates,
             seen,
             passes,
         })
@@ -299,6 +315,7 @@ struct Moved {
     model: Box<dyn Model>,
     probe: Probe,
     way: f64,
+    there: Instant,
     direction: Direction,
 }
 
@@ -339,8 +356,9 @@ impl Moved {
             return None;
         }
         let start: Vec<f64> = from.iter().zip(&to).map(|(a, b)| (b - a) / way).collect();
-        let direction = Direction { start, rates: Vec::new(), outputs: Vec::new() };
-        Some(Moved { model, probe: probe.clone(), way, direction })
+        let all = |of_row: usize| Vec::with_capacity(drive.time.len() * of_row);
+        let direction = Direction { rates: all(start.len()), outputs: all(bench.outputs().len()), start };
+        Some(Moved { model, probe: probe.clone(), way, there: Instant::default(), direction })
     }
 
     fn look(&mut self, bench: &Bench, drive: &Drive, row: usize, states: &[f64], here: &Instant) {
@@ -350,144 +368,10 @@ impl Moved {
             model.set(bench.inputs()[k], drive.input(k, row) + self.way);
         }
         model.set_states(drive.time[row], states);
-        let there = Instant::of(model, bench.outputs());
+        self.there.read(model, bench.outputs());
+        let there = &self.there;
         let slope = |(there, here): (&f64, &f64)| (there - here) / self.way;
         self.direction.rates.extend(there.rates.iter().zip(&here.rates).map(slope));
         self.direction.outputs.extend(there.outputs.iter().zip(&here.outputs).map(slope));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiment::Experiment;
-    use physics::terms::{Driver, Factor};
-
-    const TOML: &str = r#"
-[experiment]
-name = "t"
-model = "AnnulusCooledMotor"
-preset = "maxon-305015"
-inputs = ["current_A", "speed_rad_per_s", "fan_command_1", "ambient_temperature_degC"]
-outputs = ["voltage_V", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"]
-[set]
-cooling_mode = "conductance"
-"effect.coulomb_friction.tau_c" = 0.005
-[[run]]
-file = "run.csv"
-role = "fit"
-"#;
-
-    /// The linearised response to a small drag that grows with the root of the speed, to a resistance and to a warmer ambient equals the
-    /// difference of two simulations.
-    #[test]
-    fn answers_are_those_of_simulations() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut csv = String::from(
-            "time_s,current_A,speed_rad_per_s,fan_command_1,ambient_temperature_degC,voltage_V,shaft_torque_Nm,\
-             winding_temperature_degC,housing_temperature_degC\n",
-        );
-        for k in 0..400 {
-            let t = 5.0 * f64::from(k);
-            let (i, w) = (3.0 + 2.0 * (t / 90.0).sin(), 300.0 + 250.0 * (t / 130.0).cos());
-            let n = if k > 200 { 0.6 } else { 0.0 };
-            csv.push_str(&format!("{t},{i},{w},{n},23,,,,\n"));
-        }
-        std::fs::write(folder.path().join("run.csv"), csv).unwrap();
-        std::fs::write(folder.path().join("experiment.toml"), TOML).unwrap();
-        let experiment = Experiment::read(&folder.path().join("experiment.toml")).unwrap();
-        let bench = Bench::new(&experiment, &[]).unwrap();
-        let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-        let slot = bench.declaration().by_name("motor.R_ref").unwrap().slot;
-        let resistance = Probe::Parameter { slot, with: Vec::new(), way: 1e-4 };
-        let probes = [Probe::Port(Port::DragTorque), resistance, Probe::Input(3)];
-        let tangent = Tangent::new(&bench, &drive, &Override::default(), &probes).unwrap();
-        let flat = |columns: Vec<Vec<f64>>| -> Vec<f64> {
-            (0..drive.time.len())
-                .flat_map(|row| columns.iter().map(move |c| c[row]).collect::<Vec<_>>())
-                .collect()
-        };
-        let base = flat(bench.run(&drive, &Override::default()).unwrap());
-        assert!(base.iter().zip(&tangent.shown).all(|(a, b)| (a - b).abs() < 1e-9));
-
-        let size = 1e-5;
-        let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 100.0, exponent: 0.5 };
-        let law = Law::Product(Product { coefficient: size, factors: [Some(factor), None, None] });
-        let dragged =
-            Override { terms: vec![GenericTerm::new(Port::DragTorque, law)], ..Override::default() };
-        let warmer = drive.with_input_moved(3, 0.01);
-        let heavier = Override { values: vec![(slot, bench.start_of(slot) + 1e-4)], ..Override::default() };
-        let speed = |row: usize| (tangent.drivers[row].speed / 100.0).sqrt();
-        for (probe, size, shape, other) in [
-            (0, size, &speed as &dyn Fn(usize) -> f64, bench.run(&drive, &dragged).unwrap()),
-            (1, 1e-4, &|_| 1.0, bench.run(&drive, &heavier).unwrap()),
-            (2, 0.01, &|_| 1.0, bench.run(&warmer, &Override::default()).unwrap()),
-        ] {
-            let answer = tangent.response(tangent.directions[probe].as_ref().unwrap(), shape);
-            let truth: Vec<f64> = flat(other).iter().zip(&base).map(|(a, b)| (a - b) / size).collect();
-            for output in 0..4 {
-                let of = |v: &[f64]| v.iter().skip(output).step_by(4).copied().collect::<Vec<f64>>();
-                let (found, told) = (of(&answer), of(&truth));
-                let most = told.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-                let off = found.iter().zip(&told).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
-                assert!(off <= 0.01 * most + 1e-9, "probe {probe} output {output}: {off} of {most}");
-            }
-        }
-    }
-
-    /// Noise on the current and on the ambient sensor: linear propagation against a hundred simulations.
-    #[test]
-    fn variances_are_those_of_simulations() {
-        let experiment = crate::testing::experiment("", true);
-        let bench = Bench::new(&experiment, &[]).unwrap();
-        let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-        let probes = [Probe::Input(0), Probe::Input(3)];
-        let tangent = Tangent::new(&bench, &drive, &Override::default(), &probes).unwrap();
-        let sigmas = [0.05, 0.1];
-        let directions = tangent.directions.iter().map(|d| d.as_ref().unwrap());
-        let noises: Vec<(&Direction, f64)> = directions.zip(sigmas).collect();
-        let (direct, whole) = tangent.variance(&noises);
-        let (trials, mut rng) = (120, crate::testing::rng(9));
-        let mut sums = [0.0; 4];
-        for _ in 0..trials {
-            let mut inputs = drive.inputs().to_vec();
-            for (k, sigma) in [0, 3].into_iter().zip(sigmas) {
-                inputs[k].iter_mut().for_each(|x| *x += sigma * crate::testing::normal(&mut rng));
-            }
-            let shown = bench.run(&Drive::of(drive.time.clone(), inputs), &Override::default()).unwrap();
-            for (output, column) in shown.iter().enumerate() {
-                let base = tangent.shown.iter().skip(output).step_by(4);
-                sums[output] += column.iter().zip(base).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            }
-        }
-        for (output, sum) in sums.iter().enumerate() {
-            let told: f64 = whole.iter().skip(output).step_by(4).sum();
-            let ratio = sum / f64::from(trials) / told;
-            assert!((ratio - 1.0).abs() < 0.2, "output {output}: {ratio}");
-        }
-        // A temperature has no direct feedthrough.
-        assert!(direct[2 + 4 * 200] < 0.2 * whole[2 + 4 * 200]);
-    }
-
-    /// An unstable state within a row, next to a stable one: its effect is bounded, and the stable one is unaffected.
-    #[test]
-    fn what_runs_away_within_a_row_is_bounded() {
-        let f = DMatrix::from_row_slice(2, 2, &[900.0, 0.0, 0.1, -0.2]);
-        let [keeps, first, second] = pass(&f, 2.0);
-        assert!(keeps.iter().chain(first.iter()).chain(second.iter()).all(|x| x.abs() <= 2.0));
-        let alone = pass(&DMatrix::from_element(1, 1, -0.2), 2.0);
-        assert!((keeps[(1, 1)] - alone[0][(0, 0)]).abs() < 1e-12);
-    }
-
-    /// First-order storage, x' = -a x + u: analytic solutions for constant and ramp inputs.
-    #[test]
-    fn one_store_by_hand() {
-        let (a, h): (f64, f64) = (0.3, 2.0);
-        let [keeps, first, second] = pass(&DMatrix::from_element(1, 1, -a), h);
-        let e = (-a * h).exp();
-        assert!((keeps[(0, 0)] - e).abs() < 1e-12);
-        assert!((first[(0, 0)] + second[(0, 0)] - (1.0 - e) / a).abs() < 1e-12);
-        // A ramp from 0 to 1: (h - (1 - e)/a) / (a h).
-        assert!((second[(0, 0)] - (h - (1.0 - e) / a) / (a * h)).abs() < 1e-12);
     }
 }

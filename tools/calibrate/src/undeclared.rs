@@ -164,6 +164,10 @@ fn explained(point: &Linearization, own: &Declared) -> Option<(f64, f64)> {
     let (setup, place) = with(point.setup, own.clone());
     let mut moved = point.fitted.hypothesis.clone();
     moved.declared.insert(place, own.prior * STEP.exp());
+    // Most parameters belong to modes that are not selected.
+    if !point.slopes.are_moved_by(&setup, &moved) {
+        return None;
+    }
     let shown = setup.show(&moved, &point.runs).ok()?;
     let column = point.difference_column(&shown)? / STEP;
     if column.amax() == 0.0 {
