@@ -374,6 +374,10 @@ pub trait Model: Exchange + Send + Sync {
     fn get(&mut self, slot: Slot) -> f64;
     /// Sets a parameter or an input; false if the value is invalid for its type.
     fn set(&mut self, slot: Slot, value: f64) -> bool;
+    /// Sets several parameters and inputs, and then once what follows from them; false if a value is invalid for its type.
+    fn set_all(&mut self, values: &[(Slot, f64)]) -> bool {
+        values.iter().fold(true, |taken, (slot, value)| self.set(*slot, *value) && taken)
+    }
     /// Sets the input derivative of a continuous input for the next step, per second. It is valid for that step only; afterwards
     /// the input keeps its extrapolated value.
     fn set_slope(&mut self, slot: Slot, slope: f64);

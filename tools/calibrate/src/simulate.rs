@@ -10,6 +10,7 @@ use crate::initial;
 use crate::levels::CERTAIN;
 use crate::overrides::Override;
 use physics::model::{Declaration, Model, ModelType, Slot};
+use std::sync::Arc;
 
 /// Model with the start values of an experiment, which can be run with other parameters.
 #[derive(Clone)]
@@ -23,6 +24,10 @@ pub struct Bench {
     kind: &'static ModelType,
     /// Slots with the start values of preset and experiment.
     starts: Vec<(Slot, f64)>,
+    /// Model with these start values. A copy costs less than setting them, each of which changes everything that follows from it.
+    template: Arc<dyn Model>,
+    /// Limits of validity that no run reaches.
+    widest: Vec<(Slot, f64)>,
     inputs: Vec<Slot>,
     outputs: Vec<Slot>,
 }
@@ -79,6 +84,10 @@ impl Bench {
             declaration.entries.iter().filter(|e| e.name.ends_with(".w_small") && said(e.slot).is_none());
         let others: Vec<Slot> = others.map(|e| e.slot).collect();
         starts.extend(narrow.into_iter().flat_map(|w| others.iter().map(move |slot| (*slot, w))));
+        let mut template = (kind.new)();
+        template.set_all(&starts);
+        let limits = declaration.entries.iter().filter(|e| e.name.starts_with(VALIDITY));
+        let widest = limits.map(|e| (e.slot, if e.name == LOWEST { e.row.min } else { e.row.max })).collect();
         let of = |channels: &[&'static Channel], role: fn(&Channel) -> Option<&'static str>| {
             channels.iter().filter_map(|c| role(c)).map(slot).collect::<Result<Vec<_>, _>>()
         };
@@ -88,6 +97,8 @@ impl Bench {
             deadline: Deadline::default(),
             kind,
             starts,
+            template: template.into(),
+            widest,
             inputs: of(&experiment.inputs, |c| c.input)?,
             outputs: of(&experiment.outputs, |c| c.output)?,
         })
@@ -96,7 +107,7 @@ impl Bench {
     /// Start value of a parameter.
     pub fn start_of(&self, slot: Slot) -> f64 {
         let last = self.starts.iter().rev().find(|(s, _)| *s == slot);
-        last.map_or_else(|| (self.kind.new)().get(slot), |(_, value)| *value)
+        last.map_or_else(|| self.template.boxed_clone().get(slot), |(_, value)| *value)
     }
 
     /// Initial temperatures by full name of a run that starts at measured ones, with a change applied.
@@ -150,16 +161,10 @@ impl Bench {
 
     /// Model with the change applied and the inputs of the first row.
     fn set_up(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
-        let mut model = (self.kind.new)();
+        let mut model = self.template.boxed_clone();
         // The run's own settings override every trial value.
-        for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
-            model.set(*slot, *value);
-        }
-        let limits =
-            self.declaration().entries.iter().filter(|e| self.lenient && e.name.starts_with(VALIDITY));
-        for entry in limits {
-            model.set(entry.slot, if entry.name == LOWEST { entry.row.min } else { entry.row.max });
-        }
+        let widest = if self.lenient { &self.widest[..] } else { &[] };
+        model.set_all(&[&change.values, &drive.set, widest].concat());
         if !change.terms.is_empty() && !model.set_terms(&change.terms) {
             return Err(CalibrateError(format!("{} carries no such terms", model.declaration().name)));
         }
@@ -246,12 +251,11 @@ impl Bench {
     fn start(&self, model: &mut dyn Model, drive: &Drive) -> Result<Vec<(Slot, f64)>, CalibrateError> {
         let mut known: Vec<(&str, f64)> =
             drive.warm.iter().map(|(node, _, reading)| (*node, *reading)).collect();
+        let nodes = initial::nodes(model.declaration());
         let mut tries = 0;
         loop {
-            let initial = initial::temperatures(model.declaration(), &known);
-            for (slot, value) in &initial {
-                model.set(*slot, *value);
-            }
+            let initial = initial::temperatures(&nodes, &known);
+            model.set_all(&initial);
             model.start(drive.time[0]).map_err(refused)?;
             let mut worst = 0.0f64;
             for ((_, at), (_, output, reading)) in known.iter_mut().zip(&drive.warm) {

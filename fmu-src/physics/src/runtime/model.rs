@@ -97,6 +97,22 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
         taken
     }
 
+    fn set_all(&mut self, values: &[(Slot, f64)]) -> bool {
+        let of = |is_parameter: bool| {
+            values.iter().filter(move |(slot, _)| (slot.group as usize >= PARAMETERS) == is_parameter)
+        };
+        let taken = of(false).fold(true, |taken, (slot, value)| self.set(*slot, *value) && taken);
+        let taken = M::set_parameter(self, |parameters| {
+            of(true).fold(taken, |taken, (slot, value)| {
+                parameters.set_value(slot.group as usize - PARAMETERS, slot.row as usize, *value) && taken
+            })
+        });
+        self.follow_modes();
+        M::follow_inputs(self);
+        self.outdate();
+        taken
+    }
+
     fn set_slope(&mut self, slot: Slot, slope: f64) {
         debug_assert_eq!(slot.group as usize, INPUTS);
         self.slopes.set(slot.row as usize, slope);
