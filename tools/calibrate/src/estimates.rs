@@ -114,14 +114,13 @@ pub fn outcome(
     let all: Vec<usize> = (0..experiment.runs.len()).collect();
     let before = exact.show(&setup.preset(), &all)?;
     let fitted = exact.show(refit, &all)?;
-    let after = exact.show(&hypothesis, &all)?;
-    let mut endings = Vec::new();
-    for &run in &all {
-        let ending = exact.bench.ending(&setup.drives[run], &setup.change(&hypothesis, run))?;
-        endings.extend(ending.map(|why| {
-            format!("{}: the repaired model does not reach the last row. {why}", experiment.runs[run].file)
-        }));
-    }
+    let (after, ends): (Vec<Shown>, Vec<_>) = exact.show_to_end(&hypothesis, &all)?.into_iter().unzip();
+    let ended = |(run, why): (&usize, Option<String>)| {
+        why.map(|why| {
+            format!("{}: the repaired model does not reach the last row. {why}", experiment.runs[*run].file)
+        })
+    };
+    let endings: Vec<String> = all.iter().zip(ends).filter_map(ended).collect();
     notes.extend(endings.iter().cloned());
     let boxes = black_boxes(setup, &Deadline::after(judged.time_for_boxes));
     let mut errors = Vec::new();

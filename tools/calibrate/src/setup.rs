@@ -301,13 +301,25 @@ impl<'a> Setup<'a> {
     /// # Errors
     /// The message of the model if it cannot be run.
     pub fn show(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Vec<Shown>, CalibrateError> {
-        runs.par_iter()
-            .map(|&run| {
-                let columns = self.bench.run(&self.driven[run], &self.change(hypothesis, run))?;
-                let rows = self.drives[run].time.len();
-                Ok((0..rows).flat_map(|row| columns.iter().map(move |c| c[row])).collect())
-            })
-            .collect()
+        Ok(self.show_to_end(hypothesis, runs)?.into_iter().map(|(shown, _)| shown).collect())
+    }
+
+    /// The same, each with the reason why the run ends before its last row; `None` if it does not.
+    ///
+    /// # Errors
+    /// The message of the model if it cannot be run.
+    pub fn show_to_end(
+        &self,
+        hypothesis: &Hypothesis,
+        runs: &[usize],
+    ) -> Result<Vec<(Shown, Option<String>)>, CalibrateError> {
+        let one = |&run: &usize| {
+            let (columns, ending) =
+                self.bench.run_to_end(&self.driven[run], &self.change(hypothesis, run))?;
+            let rows = self.drives[run].time.len();
+            Ok(((0..rows).flat_map(|row| columns.iter().map(move |c| c[row])).collect(), ending))
+        };
+        runs.par_iter().map(one).collect()
     }
 
     /// Calls `tell` with row, output and residual (measured minus predicted) for each reading inside the window.

@@ -59,6 +59,9 @@ const ROWS_A_LOOK: usize = 16;
 /// Iteration limit for the initial temperatures. Numerical: with a stem loss of one half, 50 iterations leave 1e-15 of the error.
 const TRIES: usize = 50;
 
+/// Outputs of a run by column, and the reason why it ends before its last row.
+pub type Ended = (Vec<Vec<f64>>, Option<String>);
+
 impl Bench {
     /// Bench model of an experiment; `preset` are the start values of its preset, by value reference.
     ///
@@ -177,15 +180,23 @@ impl Bench {
     /// # Errors
     /// The message of the model if it cannot start or step.
     pub fn run(&self, drive: &Drive, change: &Override) -> Result<Vec<Vec<f64>>, CalibrateError> {
+        Ok(self.run_to_end(drive, change)?.0)
+    }
+
+    /// The same, and the reason why the run ends before its last row; `None` if it does not.
+    ///
+    /// # Errors
+    /// As [`run`](Bench::run).
+    pub fn run_to_end(&self, drive: &Drive, change: &Override) -> Result<Ended, CalibrateError> {
         let mut model = self.begin(drive, change)?;
         let rows = drive.time.len();
         let mut shown = vec![Vec::with_capacity(rows); self.outputs.len()];
-        self.along(drive, model.as_mut(), |model, _| {
+        let ending = self.along(drive, model.as_mut(), |model, _| {
             for (column, slot) in shown.iter_mut().zip(&self.outputs) {
                 column.push(model.get(*slot));
             }
         })?;
-        Ok(shown)
+        Ok((shown, ending))
     }
 
     /// Simulates an initialised model along a run and calls `see` at every row. A model that reaches a limit of validity keeps its state
@@ -224,15 +235,6 @@ impl Bench {
             drive.hold(model, &self.inputs, k + 1);
         }
         Ok(ending)
-    }
-
-    /// Reason why a run ends before its last row, with a change applied; `None` if it does not.
-    ///
-    /// # Errors
-    /// As [`run`](Bench::run).
-    pub fn ending(&self, drive: &Drive, change: &Override) -> Result<Option<String>, CalibrateError> {
-        let mut model = self.begin(drive, change)?;
-        self.along(drive, model.as_mut(), |_, _| {})
     }
 
     /// Slots of the outputs in the model, in the experiment's order.
