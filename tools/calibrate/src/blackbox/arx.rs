@@ -71,7 +71,7 @@ fn candidate(
         for k in order..run.time.len() {
             let (x, y) = (regressors(run, &run.output, order, k), run.output[k]);
             if y.is_finite() && x.iter().all(|v| v.is_finite()) {
-                normal.ger(1.0, &x, &x, 1.0);
+                normal.syger(1.0, &x, &x, 1.0);
                 right.axpy(y, &x, 1.0);
                 count += 1;
             }
@@ -80,6 +80,7 @@ fn candidate(
     if count <= p {
         return None;
     }
+    normal.fill_upper_triangle_with_lower_triangle();
     // Each regressor is scaled by its norm, so that one eigenvalue limit fits all.
     let size = DVector::from_fn(p, |k, _| normal[(k, k)].sqrt().max(f64::MIN_POSITIVE));
     let scaled = DMatrix::from_fn(p, p, |a, b| normal[(a, b)] / (size[a] * size[b]));
@@ -114,7 +115,8 @@ fn candidate(
 fn regressors(run: &Cells, output: &[f64], order: usize, k: usize) -> DVector<f64> {
     let past = (1..=order).map(|j| output[k - j]);
     let inputs = (0..=order).flat_map(|j| run.functions[k - j].iter().copied());
-    let all: Vec<f64> = past.chain(inputs).chain(std::iter::once(1.0)).collect();
+    let mut all = Vec::with_capacity(order + (order + 1) * run.functions[k].len() + 1);
+    all.extend(past.chain(inputs).chain(std::iter::once(1.0)));
     DVector::from_vec(all)
 }
 
