@@ -150,7 +150,8 @@ def calibrated_words(answer: dict) -> str:
     left = "finds no missing effect in these runs" if still["verdict"] == "nothing" else f"gives the verdict {still['verdict']}"
     return f"""Runs 1, 3 and 5 were measured in still air. Runs 1 and 3 are fitted, run 5 is the validation run; the table shows the errors
         of run 5. Runs 3 and 5, which have about the same electrical power, differ from their mean by {repeats["winding"]:.1f} K (winding)
-        and {repeats["body"]:.2f} K (body). These values are the noise levels of the experiment. `motor-fmu close-loop` {left}. According
+        and {repeats["body"]:.2f} K (body). The noise of the thermocouples is only 0.02 K; no noise is set in the experiment, and `motor-fmu close-loop` estimates
+        what the runs disagree by. It {left}. According
         to the fit, the temperature rise that the thermocouple of the winding indicates is {more} % {reads} than that of the mean copper
         temperature."""
 

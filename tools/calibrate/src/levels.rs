@@ -48,7 +48,8 @@ pub const STRUCTURE: f64 = 0.02;
 /// over one.
 pub const SAMPLES: f64 = 50.0;
 
-/// Standard deviation of a sensor's zero, relative to its noise. Tuned: smaller zeros are traced to effects at sensors.
+/// Standard deviation of a sensor's zero, relative to its noise; of a thermometer's zero in each run. Tuned: smaller zeros are traced to
+/// effects at sensors.
 pub const CALIBRATED: f64 = 0.5;
 
 /// Factor by which a missing effect, or the difference between a motor and its preset, may change an output, and a missing effect the

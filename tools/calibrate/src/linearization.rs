@@ -394,26 +394,29 @@ fn evidence(
     });
     let count = (((to - from) / KNOT).ceil() as usize).clamp(1, MOST_KNOTS) + 1;
     let points: Vec<f64> = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect();
-    // Zero offsets of sensors of outputs and inputs. Those of thermometers are included in the drifts.
+    // Zero offsets of sensors of outputs and inputs; those of thermometers at the motor differ from run to run.
     let m = setup.outputs();
     let inputs = setup.experiment.inputs.len();
-    let zeros = (0..inputs + m).filter(|k| {
-        let all = setup.experiment.inputs.iter().chain(&setup.experiment.outputs);
-        all.clone().nth(*k).is_some_and(|c| !c.is_temperature()) && setup.noise[*k] > 0.0
-    });
-    for channel in zeros {
+    let all = || setup.experiment.inputs.iter().chain(&setup.experiment.outputs).enumerate();
+    for (channel, _) in all().filter(|(k, c)| setup.noise[*k] > 0.0 && (!c.is_temperature() || *k >= inputs))
+    {
         let size = CALIBRATED * setup.noise[channel];
-        let column = gather(&|r| {
-            if channel < inputs {
-                let direction = slopes.further(r, further)[before_inputs + channel].as_ref()?;
-                return Some(slopes.tangents[r].response(direction, |_| size));
-            }
-            let mut values = vec![0.0; clock(r).len() * m];
-            values.iter_mut().skip(channel - inputs).step_by(m).for_each(|v| *v = size);
-            Some(values)
-        });
-        columns.push(column);
-        apart.push(0.0);
+        let moves = channel >= inputs && setup.experiment.outputs[channel - inputs].is_temperature();
+        for own in if moves { (0..runs.len()).map(Some).collect() } else { vec![None] } {
+            let column = gather(&|r| {
+                if channel < inputs {
+                    let direction = slopes.further(r, further)[before_inputs + channel].as_ref()?;
+                    return Some(slopes.tangents[r].response(direction, |_| size));
+                }
+                own.is_none_or(|own| own == r).then(|| {
+                    let mut values = vec![0.0; clock(r).len() * m];
+                    values.iter_mut().skip(channel - inputs).step_by(m).for_each(|v| *v = size);
+                    values
+                })
+            });
+            columns.push(column);
+            apart.push(0.0);
+        }
     }
     // Input noise stored in heat capacities: white noise, combined between knots.
     for input in &setup.remembered {
@@ -437,7 +440,6 @@ fn evidence(
     let known = columns.len();
     // Responses to drifting sensors of the outputs and of the ambient temperature: thermometers are of the same kind and have the same
     // drift, up to the noise of the noisiest one.
-    let all = || setup.experiment.inputs.iter().chain(&setup.experiment.outputs).enumerate();
     let thermometers = all().filter(|(k, c)| c.is_temperature() && *k >= inputs).map(|(k, _)| setup.noise[k]);
     let loudest = thermometers.fold(0.0, f64::max);
     let mut knots = Vec::new();

@@ -37,8 +37,8 @@ const FURTHER: [usize; 4] = [3, 1, 1, 1];
 const STORED: f64 = 0.2;
 /// Fraction of the best evidence below which a candidate is fitted only if it is the best of its kind. Numerical: a limit of effort.
 const BEHIND: f64 = 0.3;
-/// A law predicts far better if its validation error is below this fraction of that of the listed effect. Derivation: half of the mean
-/// square; the law then accounts for more of it than it leaves.
+/// A law predicts far better if its validation error is below this fraction of that of the listed effect; a term explains most of an output
+/// if its error in the fit runs is. Derivation: half of the mean square; the law then accounts for more of it than it leaves.
 const AHEAD: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Fitted candidate.

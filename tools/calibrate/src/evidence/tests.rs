@@ -128,3 +128,33 @@ fn evidence_is_that_of_the_densities() {
         assert!((state.cost - told).abs() < 1e-6, "{} instead of {told}", state.cost);
     }
 }
+
+/// Noise that persists over a few values: against white noise alone a slow column explains much of it, against noise with the memory that
+/// is estimated nothing; an effect is still found, with its size. White noise has no memory.
+#[test]
+fn noise_with_a_memory_is_no_effect() {
+    let (n, mut rng) = (800, crate::testing::rng(12));
+    let none = DMatrix::zeros(n, 0);
+    let series = || vec![Series { output: 0, values: 0..n / 2 }, Series { output: 0, values: n / 2..n }];
+    let slow = column(n, |t| (20.0 * t).sin());
+    let mut found = |rho: f64, s: f64, effect: f64| {
+        let mut x = 0.0;
+        let r = DVector::from_fn(n, |k, _| {
+            x = rho * x + s * f64::sqrt(1.0 - rho * rho) * normal(&mut rng);
+            x + effect * slow[(k, 0)]
+        });
+        let evidence = Evidence::new(r, &none, &[], &none, &[], series()).unwrap().with_memory().unwrap();
+        (evidence.is_noise(), evidence.inflation()[0], evidence.gain(&slow).unwrap())
+    };
+    let (is_noise, inflation, gain) = found(0.0, 1.0, 0.0);
+    assert!(is_noise && inflation == 1.0 && gain.whitened < 10.0, "{inflation} {gain:?}");
+    for _ in 0..5 {
+        let (is_noise, inflation, gain) = found(0.8, 4.0, 0.0);
+        // s^2 (1 + rho) / (1 - rho).
+        assert!(!is_noise && (inflation / 144.0 - 1.0).abs() < 0.5, "{inflation}");
+        assert!(gain.whitened < 10.0, "{gain:?}");
+    }
+    let (_, _, gain) = found(0.8, 4.0, 8.0);
+    assert!(gain.whitened > 30.0 && (gain.size[0] - 8.0).abs() < 2.0, "{gain:?}");
+    assert!(gain.raw > 10.0 * gain.whitened, "{gain:?}");
+}

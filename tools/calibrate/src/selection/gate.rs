@@ -1,6 +1,6 @@
 //! Acceptance tests of a candidate: evidence, physical sign and size, the same size in every run, validation error.
 
-use super::{Candidate, LEAST, NEAR, is_sensor};
+use super::{AHEAD, Candidate, LEAST, NEAR, is_sensor};
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
@@ -23,7 +23,7 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
         );
         return Ok((None, Some(sentence)));
     }
-    let asked = asked(&candidate.point);
+    let asked = if halves(before, candidate) { LEAST } else { asked(&candidate.point) };
     if candidate.sure() <= asked {
         let sentence = format!(
             "lowers BIC by {:.1}; the fit runs show structure error beside it, and more than {asked} is then asked for",
@@ -62,6 +62,13 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
 /// size is the best one of all that were tried, and no effect unless it stands out.
 pub fn asked(left: &Linearization) -> f64 {
     if left.evidence.is_noise() { LEAST } else { DECISIVE }
+}
+
+/// Whether a candidate accounts for more of an output's mean square error in the fit runs than it leaves.
+fn halves(before: &Linearization, candidate: &Candidate) -> bool {
+    let squares = |point: &Linearization| before.setup.squares(&before.runs, &point.fitted.shown);
+    let pairs = squares(before).into_iter().zip(squares(&candidate.point));
+    pairs.into_iter().any(|((without, _), (with, _))| with < AHEAD * AHEAD * without)
 }
 
 /// Sentence on a listed sensor effect that is smaller than the calibration accuracy.
