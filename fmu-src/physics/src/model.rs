@@ -394,6 +394,14 @@ pub trait Model: Exchange + Send + Sync {
     }
     /// Ends initialization at `time`: checks the consistency of the parameters, sets all states.
     fn start(&mut self, time: f64) -> Result<(), Fault>;
+    /// Sets several parameters and inputs, and starts; what follows from them is evaluated at the start only.
+    ///
+    /// # Errors
+    /// As [`start`](Model::start).
+    fn start_with(&mut self, values: &[(Slot, f64)], time: f64) -> Result<(), Fault> {
+        self.set_all(values);
+        self.start(time)
+    }
     /// Advances from `time`, the caller's time, by `h` > 0 seconds; on failure nothing changes, unless the model has
     /// [`ended`](Model::ended).
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault>;

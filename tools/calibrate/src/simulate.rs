@@ -257,8 +257,7 @@ impl Bench {
         let mut tries = 0;
         loop {
             let initial = initial::temperatures(&nodes, &known);
-            model.set_all(&initial);
-            model.start(drive.time[0]).map_err(refused)?;
+            model.start_with(&initial, drive.time[0]).map_err(refused)?;
             let mut worst = 0.0f64;
             for ((_, at), (_, output, reading)) in known.iter_mut().zip(&drive.warm) {
                 let off = reading - model.get(self.outputs[*output]);

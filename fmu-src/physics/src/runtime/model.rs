@@ -145,6 +145,16 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
         Ok(())
     }
 
+    fn start_with(&mut self, values: &[(Slot, f64)], time: f64) -> Result<(), Fault> {
+        for (slot, value) in values {
+            match (slot.group as usize).checked_sub(PARAMETERS) {
+                Some(group) => self.parameters.set_value(group, slot.row as usize, *value),
+                None => self.set(*slot, *value),
+            };
+        }
+        self.start(time)
+    }
+
     #[inline]
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         self.step_to_limit(time, h)
