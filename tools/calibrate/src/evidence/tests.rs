@@ -154,7 +154,8 @@ fn noise_with_a_memory_is_no_effect() {
         assert!(!is_noise && (inflation / 144.0 - 1.0).abs() < 0.5, "{inflation}");
         assert!(gain.whitened < 10.0, "{gain:?}");
     }
+    // The memory is estimated with the effect in the residual, so that its evidence is a lower bound.
     let (_, _, gain) = found(0.8, 4.0, 8.0);
-    assert!(gain.whitened > 30.0 && (gain.size[0] - 8.0).abs() < 2.0, "{gain:?}");
+    assert!(gain.whitened > 20.0 && (gain.size[0] - 8.0).abs() < 2.0, "{gain:?}");
     assert!(gain.raw > 10.0 * gain.whitened, "{gain:?}");
 }
