@@ -233,17 +233,15 @@ impl Evidence {
         Some(self)
     }
 
-    /// Keeps only the best state and the one without drift and structure error.
+    /// Keeps only the best state of each noise and the one without drift and structure error.
     pub fn settle(&mut self) {
-        let best = self.best_state();
         for (n, noise) in self.noises.iter_mut().enumerate() {
-            let mut k = 0;
-            noise.states.retain(|_| {
+            let (best, mut k) = (noise.fitting().cost, 0);
+            noise.states.retain(|state| {
                 k += 1;
-                (n, k - 1) == (0, 0) || (n, k - 1) == best
+                (n, k) == (0, 1) || state.cost <= best
             });
         }
-        self.noises.retain(|noise| !noise.states.is_empty());
     }
 
     /// Releases all memory except the cost.
@@ -375,8 +373,9 @@ impl Evidence {
         (self.fitting().cost, self.noises[0].states[0].cost)
     }
 
-    /// First-order corrections of the parameters and their covariance with the best drift, in units of their prior deviations; estimated
-    /// jointly with further columns if given.
+    /// First-order corrections of the parameters and their covariance, in units of their prior deviations, with the best hyperparameters;
+    /// estimated jointly with further columns if given. A variance is the greatest of those with white noise, times its misfit, and with
+    /// memory: a drift that is taken for a short memory would average out.
     pub fn estimate(
         &self,
         parameters: usize,
@@ -392,7 +391,16 @@ impl Evidence {
             c -= &lent * &gain.size;
             covariance += &lent * &gain.covariance * lent.transpose();
         }
-        let view = covariance.view((0, 0), (parameters, parameters)).into_owned();
+        let mut view = covariance.view((0, 0), (parameters, parameters)).into_owned();
+        let others =
+            self.noises.iter().filter(|_| beside.is_none()).map(|noise| noise.fitting().factor.inverse());
+        for other in others {
+            for k in 0..parameters {
+                let wider = (other[(k, k)] / view[(k, k)]).sqrt().max(1.0);
+                view.row_mut(k).scale_mut(wider);
+                view.column_mut(k).scale_mut(wider);
+            }
+        }
         (c.rows(0, parameters).iter().copied().collect(), view)
     }
 
