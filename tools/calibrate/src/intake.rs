@@ -25,7 +25,6 @@ use crate::simulate::{Bench, Drive};
 use physics::declare::Unit;
 use physics::model::Declaration;
 use rayon::prelude::*;
-use std::time::Duration;
 
 /// Fewest rows of a run that can be fitted. Derivation: five rows have three second differences, the fewest with a median.
 const LEAST_ROWS: usize = 5;
@@ -35,9 +34,6 @@ const WRONG_UNIT: f64 = 0.5;
 /// Greatest difference of two working temperature sensors, K. Limit: two thermocouples of class 2 (2.5 K each, IEC 60584-1) with cold
 /// junctions (2 K each) differ by up to 9 K.
 const FAR: f64 = 10.0;
-/// Time limit for one simulation of all runs: contradictory data can drive the model into states that require tiny steps. Numerical: a
-/// simulation takes some milliseconds.
-const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Reason why the data cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,34 +61,48 @@ impl From<CalibrateError> for Refusal {
     }
 }
 
-/// Checks an experiment and sets aside invalid readings; `preset` are the start values of its preset, by value reference.
+/// Checks an experiment and sets aside invalid readings; `preset` are the start values of its preset, by value reference. Work that the
+/// deadline cuts off leads to no conclusion, and a note says so.
 ///
 /// # Errors
 /// [`Refusal`].
-pub fn check(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), Refusal> {
-    sensors(experiment, preset)?;
-    match clocks::check(experiment, preset)?.or_else(|| nothing_left(experiment)) {
-        Some(unusable) => Err(Refusal::Unusable(unusable)),
-        None => Ok(()),
+pub fn check(
+    experiment: &mut Experiment,
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Result<(), Refusal> {
+    sensors(experiment, preset, deadline)?;
+    let unusable = clocks::check(experiment, preset, deadline)?.or_else(|| nothing_left(experiment));
+    if let Some(unusable) = unusable {
+        return Err(Refusal::Unusable(unusable));
     }
+    if deadline.is_near() {
+        let note = "the time budget ended the checks of the data before all were made; --budget sets another one";
+        experiment.notes.push(note.to_string());
+    }
+    Ok(())
 }
 
 /// All checks except that of the clocks.
-fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), Refusal> {
+fn sensors(
+    experiment: &mut Experiment,
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Result<(), Refusal> {
     enough(experiment)?;
     if let Some(unusable) = outside_limits(experiment) {
         return Err(Refusal::Unusable(unusable));
     }
     let spikes = signals::set_aside(experiment);
-    let fitted = consistency::contradiction(experiment, preset)?.map_err(Refusal::Unusable)?;
+    let fitted = consistency::contradiction(experiment, preset, deadline)?.map_err(Refusal::Unusable)?;
     if let Some(unusable) = start_elsewhere(experiment) {
         return Err(Refusal::Unusable(unusable));
     }
-    let predicted = predicted(experiment, preset, &all_runs(experiment));
-    let fitted = fitted.map(|fitted| predicted_by(experiment, preset, &fitted)).transpose()?;
+    let predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
+    let fitted = fitted.map(|fitted| predicted_by(experiment, preset, &fitted, deadline)).transpose()?;
     pulses::set_aside(experiment, &predicted, &spikes);
     let asked = experiment.clone();
-    let deviations = || deviations(&asked, preset, &predicted);
+    let deviations = || deviations(&asked, preset, &predicted, deadline);
     response::set_aside(experiment, &predicted, fitted.as_ref().unwrap_or(&predicted), deviations);
     if let Some(unusable) = response::dead_input(experiment, &predicted).or_else(|| nothing_left(experiment))
     {
@@ -184,10 +194,15 @@ fn declaration(experiment: &Experiment) -> Option<&'static Declaration> {
 }
 
 /// Prediction of the preset for each output at every row of these runs; blank for a run that cannot be simulated.
-fn predicted(experiment: &Experiment, preset: &[(u32, f64)], runs: &[usize]) -> Vec<Vec<Vec<f64>>> {
+fn predicted(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    runs: &[usize],
+    deadline: &Deadline,
+) -> Vec<Vec<Vec<f64>>> {
     let Ok(mut bench) = Bench::new(experiment, preset) else { return vec![Vec::new(); runs.len()] };
     bench.ease = crate::setup::EASE;
-    bench.deadline = Deadline::after(PATIENCE);
+    bench.deadline = deadline.clone();
     let of = |run: &usize| {
         let run = &experiment.runs[*run];
         let shown = Drive::new(experiment, run).and_then(|drive| bench.run(&drive, &Override::default()));
@@ -201,8 +216,9 @@ fn predicted_by(
     experiment: &Experiment,
     preset: &[(u32, f64)],
     fitted: &Hypothesis,
+    deadline: &Deadline,
 ) -> Result<Vec<Vec<Vec<f64>>>, CalibrateError> {
-    let setup = Setup::new(experiment, preset)?.until(Deadline::after(PATIENCE));
+    let setup = Setup::new(experiment, preset)?.until(deadline.clone());
     let of = |run: usize| {
         let shown = setup.bench.run(&setup.drives[run], &setup.change(fitted, run));
         let rows = experiment.runs[run].table.time.len();
@@ -216,6 +232,7 @@ fn deviations(
     experiment: &Experiment,
     preset: &[(u32, f64)],
     predicted: &[Vec<Vec<f64>>],
+    deadline: &Deadline,
 ) -> Vec<Vec<Vec<f64>>> {
     let mut all: Vec<Vec<Vec<f64>>> =
         predicted.iter().map(|run| run.iter().map(|c| vec![0.0; c.len()]).collect()).collect();
@@ -223,7 +240,7 @@ fn deviations(
     for (k, declared) in setup.declared.iter().enumerate() {
         let mut moved = setup.preset();
         moved.declared[k] = (declared.prior + declared.deviation).clamp(declared.limits.0, declared.limits.1);
-        let Ok(shown) = predicted_by(experiment, preset, &moved) else { continue };
+        let Ok(shown) = predicted_by(experiment, preset, &moved, deadline) else { continue };
         let rows =
             all.iter_mut().zip(&shown).zip(predicted).flat_map(|((a, b), c)| a.iter_mut().zip(b).zip(c));
         for ((sum, moved), own) in rows {

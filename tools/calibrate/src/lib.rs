@@ -29,7 +29,7 @@ mod blackbox;
 pub mod catalogue;
 pub mod close_loop;
 mod comparison;
-mod deadline;
+pub mod deadline;
 mod disagreement;
 mod estimates;
 pub mod evidence;

@@ -17,6 +17,7 @@ use crate::progress::Progress;
 use crate::{Failure, write};
 use archive::build::{Standard, TermsFile, archive_path};
 use calibrate::close_loop::{self, Options};
+use calibrate::deadline::Deadline;
 use calibrate::experiment::Experiment;
 use calibrate::intake::{self, Refusal, Unusable};
 use calibrate::outcome::Outcome;
@@ -74,6 +75,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Fraction of the progress that the search takes; the rest is export and replay.
 const SEARCH: f64 = 0.9;
+/// Fraction of the time budget for the checks of the data, at most.
+const CHECKED: f64 = 0.3;
 /// Fraction of the time budget that is kept for export, validation and replay.
 const KEPT: f64 = 0.4;
 
@@ -94,7 +97,8 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     // Before minutes of work: a folder that cannot be written to is bad input too.
     crate::make_folder(&args.out)?;
     let bar = Progress::new("checking the data");
-    match intake::check(&mut experiment, &preset.starts.entries()) {
+    let checked = Deadline::after(Duration::from_secs_f64(CHECKED * args.budget));
+    match intake::check(&mut experiment, &preset.starts.entries(), &checked) {
         Ok(()) => {}
         Err(Refusal::Input(error)) => return Err(error.into()),
         Err(Refusal::Unusable(why)) => {

@@ -30,10 +30,7 @@ use crate::setup::Setup;
 use crate::simulate::Drive;
 use profile::{About, moved};
 use rayon::prelude::*;
-use std::time::Duration;
 
-/// Time limit of this check; longer in tests, so that they do not depend on the load of the machine. Numerical: a limit of effort.
-const TIME: Duration = Duration::from_secs(if cfg!(test) { 300 } else { 12 });
 /// Rows of a run that are compared; each is the mean over a constant number of readings. Numerical: the shift is estimated between
 /// rows.
 const ROWS: usize = 1500;
@@ -75,11 +72,14 @@ struct Shift {
 ///
 /// # Errors
 /// An experiment whose model cannot be set up.
-pub fn check(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<Option<Unusable>, CalibrateError> {
-    let deadline = Deadline::after(TIME);
+pub fn check(
+    experiment: &mut Experiment,
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Result<Option<Unusable>, CalibrateError> {
     for _ in 0..experiment.outputs.len() {
         let thin = thinned(experiment, ROWS);
-        let Some(shift) = search(&thin, preset, &deadline)? else { return Ok(None) };
+        let Some(shift) = search(&thin, preset, deadline)? else { return Ok(None) };
         let words = |column: &str| {
             let side = if shift.late > 0.0 { "late" } else { "early" };
             let (a, b) = (shift.interval.0.abs(), shift.interval.1.abs());

@@ -43,7 +43,6 @@ use crate::selection::LEAST;
 use cost::{Cost, fitted};
 use mistakes::{Mistake, mistakes};
 use physics::declare::Unit;
-use std::time::Duration;
 
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
 const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
@@ -59,13 +58,6 @@ const MOST_OFF: f64 = 10.0;
 /// Rows of a run that are compared; each is the mean over a constant number of readings. Numerical: a run comprises some tens of time
 /// constants.
 const ROWS: usize = 500;
-/// Time limit for the search. Numerical: a limit of effort.
-const SEARCH: Duration = Duration::from_secs(6);
-/// Time limit for the fit of a hypothesis: one that has not converged in time is not confirmed. Numerical: a limit of effort.
-const FIT: Duration = Duration::from_secs(3);
-/// Time limit for the fit of the data as they are. Numerical: if it has not converged by then, as on a busy machine, no conclusion is
-/// drawn.
-const AS_IS: Duration = Duration::from_secs(30);
 /// Least size of a quantity, in SI units. Numerical: rounding.
 const ROUNDING: f64 = 1e-9;
 /// Least variation of a temperature in (2), K. Limit: smaller ones show no shape.
@@ -85,7 +77,7 @@ type Predicted = Vec<Vec<Vec<f64>>>;
 
 impl Judge<'_> {
     fn predicted(&self, experiment: &Experiment) -> Predicted {
-        super::predicted(experiment, self.preset, self.runs)
+        super::predicted(experiment, self.preset, self.runs, &self.deadline)
     }
 
     /// (1) and the best ratio of reading to prediction for each output; `None` without readings.
@@ -205,20 +197,19 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
 pub fn contradiction(
     experiment: &mut Experiment,
     preset: &[(u32, f64)],
+    deadline: &Deadline,
 ) -> Result<Result<Option<Hypothesis>, Unusable>, CalibrateError> {
     let all: Vec<usize> = super::all_runs(experiment);
     let mut thin = thinned(experiment, ROWS);
-    let mut whole = Judge { preset, runs: &all, deadline: Deadline::default() };
-    let mut as_is = fitted(&whole, &thin, AS_IS)?;
+    let whole = Judge { preset, runs: &all, deadline: deadline.clone() };
+    let mut as_is = fitted(&whole, &thin)?;
     while !as_is.is_cut
         && !as_is.bad_runs().is_empty()
-        && let Some((other, better)) = cost::released(&whole, &thin, &as_is, AS_IS)?
+        && let Some((other, better)) = cost::released(&whole, &thin, &as_is)?
         && as_is.evidence(&better) > LEAST
     {
         (as_is, thin) = (better, other);
     }
-    // The time limit starts here: after a long fit no time would be left for the hypotheses on inputs.
-    whole.deadline = Deadline::after(SEARCH);
     let bad = as_is.bad_runs();
     let unusable = if bad.is_empty() || as_is.is_cut { None } else { mistaken(&whole, &thin, &bad)? };
     experiment.priors = thin.priors;
@@ -249,9 +240,8 @@ fn mistaken(
             None => files.push((&run.file, vec![k])),
         }
     }
-    let deadline = Deadline::after(SEARCH);
     for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
-        let judge = Judge { preset, runs, deadline: deadline.clone() };
+        let judge = Judge { preset, runs, deadline: whole.deadline.clone() };
         let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
         if let Some(unusable) = search(&judge, experiment, &own, file)? {
             return Ok(Some(unusable));
@@ -348,17 +338,17 @@ fn search(
         }
         let as_is = match cost.take() {
             Some(cost) => cost,
-            None => fitted(judge, &at, AS_IS)?,
+            None => fitted(judge, &at)?,
         };
         if as_is.is_cut {
             break;
         }
         let mut confirmed: Option<(Cost, Changed)> = None;
         for one in best {
-            let as_meant = fitted(judge, &one.2, FIT)?;
+            let as_meant = fitted(judge, &one.2)?;
             // An output that implies an input is not evidence: both costs are computed without it.
             let without = match one.1 {
-                Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(&at, judge.runs, by), FIT)?),
+                Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(&at, judge.runs, by))?),
                 _ => None,
             };
             if without.as_ref().unwrap_or(&as_is).is_worse_than(&as_meant)

@@ -68,7 +68,7 @@ fn good_data_are_used_as_they_are() {
     for seed in [1, 2] {
         let mut good = experiment(seed);
         let readings = good.runs[0].table.columns.clone();
-        assert_eq!(check(&mut good, &[]), Ok(()));
+        assert_eq!(check(&mut good, &[], &Deadline::default()), Ok(()));
         assert_eq!(good.runs[0].table.columns, readings, "{:?}", good.notes);
     }
 }
@@ -83,7 +83,7 @@ fn wild_readings_are_set_aside_wherever_they_stand() {
             let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
             column(&mut spiked, k)[row] += sign * size * [1.0, 2.0, 8.0][n % 3];
         }
-        assert_eq!(check(&mut spiked, &[]), Ok(()));
+        assert_eq!(check(&mut spiked, &[], &Deadline::default()), Ok(()));
         let blank: Vec<usize> = (0..1200).filter(|row| column(&mut spiked, k)[*row].is_nan()).collect();
         let left: Vec<usize> = rows.into_iter().filter(|row| !blank.contains(row)).collect();
         assert!(left.is_empty() && blank.len() < 30, "{k}: left {left:?} of {} blank", blank.len());
@@ -100,7 +100,7 @@ fn a_row_that_the_logger_lost_is_set_aside() {
             column(&mut lost, k)[row] = if k == AMBIENT || k >= WINDING { 273.15 } else { 0.0 };
         }
     }
-    assert_eq!(check(&mut lost, &[]), Ok(()));
+    assert_eq!(check(&mut lost, &[], &Deadline::default()), Ok(()));
     for k in [CURRENT, AMBIENT, VOLTAGE, WINDING, HOUSING] {
         assert!(column(&mut lost, k)[333].is_nan(), "{k}: {:?}", lost.notes);
     }
@@ -112,7 +112,7 @@ fn a_channel_with_a_clock_of_its_own_is_set_aside() {
     for (k, seconds) in [(WINDING, 24.0), (WINDING, -60.0), (VOLTAGE, 33.0), (HOUSING, 80.0)] {
         let mut shifted = experiment(5);
         late(&mut shifted, k, seconds);
-        let outcome = check(&mut shifted, &[]);
+        let outcome = check(&mut shifted, &[], &Deadline::default());
         assert_eq!(outcome, Ok(()), "{k} {seconds}");
         assert!(column(&mut shifted, k).iter().all(|x| x.is_nan()), "{k} {seconds}: {:?}", shifted.notes);
         let note = shifted.notes.iter().find(|n| n.contains("set aside")).unwrap();
@@ -126,7 +126,7 @@ fn a_channel_with_a_clock_of_its_own_is_set_aside() {
         at += (x - at) * (1.0 - (-3.0f64 / 40.0).exp());
         column(&mut lagging, HOUSING)[row] = at;
     }
-    assert_eq!(check(&mut lagging, &[]), Ok(()));
+    assert_eq!(check(&mut lagging, &[], &Deadline::default()), Ok(()));
     assert!(column(&mut lagging, HOUSING).iter().all(|x| x.is_finite()), "{:?}", lagging.notes);
 }
 
@@ -135,7 +135,7 @@ fn an_input_with_a_clock_of_its_own_is_unusable() {
     for seconds in [30.0, -45.0] {
         let mut shifted = experiment(6);
         late(&mut shifted, CURRENT, seconds);
-        let Err(Refusal::Unusable(why)) = check(&mut shifted, &[]) else { panic!("{:?}", shifted.notes) };
+        let Err(Refusal::Unusable(why)) = check(&mut shifted, &[], &Deadline::default()) else { panic!("{:?}", shifted.notes) };
         assert_eq!(why.channel, "current_A", "{why:?}");
     }
 }
@@ -167,7 +167,7 @@ fn sensors_that_do_not_work_are_set_aside() {
         let mut rng = rng(8);
         column(&mut wrong, AMBIENT).iter_mut().for_each(|x| *x += 0.02 * normal(&mut rng));
         make(&mut wrong.runs[0].table.columns);
-        assert_eq!(sensors(&mut wrong, &[]), Ok(()), "{what}");
+        assert_eq!(sensors(&mut wrong, &[], &Deadline::default()), Ok(()), "{what}");
         let is_noted = |n: &String| n.contains(channel) && n.contains("set aside");
         assert!(wrong.notes.iter().any(is_noted), "{what}: {:?}", wrong.notes);
     }
@@ -187,7 +187,7 @@ fn a_run_that_starts_elsewhere_is_unusable() {
 }
 
 fn unusable(experiment: &mut Experiment) -> Option<String> {
-    match check(experiment, &[]) {
+    match check(experiment, &[], &Deadline::default()) {
         Err(Refusal::Unusable(why)) => Some(why.channel),
         other => {
             assert_eq!(other, Ok(()));
@@ -266,12 +266,12 @@ fn a_small_current_is_no_dead_sensor() {
     let voltage = speed.iter().zip(&current).map(|(w, i)| k_t * w + r * i).collect();
     table.columns = vec![voltage, speed, vec![0.0; rows], vec![296.15; rows], current];
     table.columns.resize(8, vec![f64::NAN; rows]);
-    let preset = predicted(&run, &[], &[0]);
+    let preset = predicted(&run, &[], &[0], &Deadline::default());
     let blank = |doubts: Vec<Vec<Vec<f64>>>| {
         let mut run = run.clone();
         response::set_aside(&mut run, &preset, &preset, || doubts);
         run.runs[0].table.columns[4].iter().filter(|x| x.is_nan()).count()
     };
-    assert_eq!(blank(deviations(&run, &[], &preset)), 0);
+    assert_eq!(blank(deviations(&run, &[], &preset, &Deadline::default())), 0);
     assert!(blank(vec![vec![vec![0.0; rows]; 4]]) > 100);
 }

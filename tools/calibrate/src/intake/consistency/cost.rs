@@ -3,7 +3,6 @@
 use super::super::{all_runs, structured};
 use super::{Judge, STRAINED};
 use crate::CalibrateError;
-use crate::deadline::Deadline;
 use crate::experiment::{Deviation, Experiment, Prior, Role};
 use crate::fit::Fitted;
 use crate::levels::{DECISIVE, FACTOR, SAMPLES};
@@ -11,7 +10,6 @@ use crate::linearization::Linearization;
 use crate::selection::LEAST;
 use crate::setup::Setup;
 use crate::undeclared;
-use std::time::Duration;
 
 /// Minimum of the cost over the declared parameters: by output, and of the priors.
 pub(super) struct Cost {
@@ -72,18 +70,17 @@ impl Cost {
 fn prepared<'a>(
     judge: &Judge,
     experiment: &'a Experiment,
-    time: Duration,
 ) -> Result<(Setup<'a>, Vec<usize>), CalibrateError> {
     let fit: Vec<usize> =
         judge.runs.iter().copied().filter(|r| experiment.runs[*r].role == Role::Fit).collect();
     let runs = if fit.is_empty() { judge.runs.to_vec() } else { fit };
-    let setup = structured(experiment, judge.preset, &runs)?.until(Deadline::after(time));
+    let setup = structured(experiment, judge.preset, &runs)?.until(judge.deadline.clone());
     Ok((setup, runs))
 }
 
 /// Cost at the best values of the declared parameters.
-pub(super) fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost, CalibrateError> {
-    let (setup, runs) = prepared(judge, experiment, time)?;
+pub(super) fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, CalibrateError> {
+    let (setup, runs) = prepared(judge, experiment)?;
     let cost = setup.refit(&runs).and_then(|fitted| Cost::new(&setup, fitted, &runs));
     // A model that cannot be simulated explains no data.
     Ok(cost.unwrap_or_else(|_| Cost {
@@ -102,11 +99,10 @@ pub(super) fn released(
     judge: &Judge,
     experiment: &Experiment,
     as_is: &Cost,
-    time: Duration,
 ) -> Result<Option<(Experiment, Cost)>, CalibrateError> {
     // A preset with which the model cannot be run is judged by the checks that follow.
     let Some(best) = &as_is.best else { return Ok(None) };
-    let (setup, runs) = prepared(judge, experiment, time)?;
+    let (setup, runs) = prepared(judge, experiment)?;
     let point = Linearization::judged(&setup, best.clone(), &runs).ok();
     let Some(own) = point.and_then(|point| undeclared::best(&point, LEAST)) else { return Ok(None) };
     let cost = Cost::new(&own.setup, own.fitted, &runs)?;
