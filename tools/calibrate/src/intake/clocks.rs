@@ -43,8 +43,10 @@ const RATIO: (f64, f64) = (1.25, 1.6);
 const FARTHEST: f64 = 0.2;
 /// Number of shifts that are confirmed by a fit. Numerical: a limit of effort; the best are tried first.
 const CONFIRMED: usize = 3;
-/// Relative steps in which the best shift of an input is refined. Numerical: resolution of a start.
-const FINE: f64 = 0.08;
+/// Number of the best shifts that are refined. Numerical: a limit of effort.
+const STARTS: usize = 3;
+/// Smallest step of the refinement, relative to the shift. Numerical: resolution of a start.
+const FINE: f64 = 0.01;
 /// Steps of half of a shift in its estimate. Numerical: resolution of the estimate.
 const STEPS: i32 = 40;
 /// Shortest time constant of a sensor relative to the shift, ratio of successive ones, and their number. Numerical: from 0.2 to 3.6
@@ -195,6 +197,25 @@ fn search(
     Ok(Some(other.copied().unwrap_or(best)))
 }
 
+/// Shift with the greatest gain among these of a ratio, refined where one is likely: a channel that follows the inputs at once has a narrow
+/// optimum.
+fn best(who: Who, shifts: &[f64], ratio: f64, gain: &(dyn Fn(f64) -> Option<f64> + Sync)) -> Option<Shift> {
+    let of = |late: f64| Some(Shift { who, late, interval: (late, late), gain: gain(late)? });
+    let better = |a: &Shift, b: &Shift| a.gain.total_cmp(&b.gain);
+    let mut all: Vec<Shift> = shifts.par_iter().filter_map(|late| of(*late)).collect();
+    all.sort_by(|a, b| better(b, a));
+    let refined = |start: &Shift| {
+        let (mut found, mut step) = (*start, 0.5 * (ratio - 1.0));
+        while step > FINE && start.gain > 0.5 * LEAST {
+            let near = [1.0 - step, 1.0 + step].into_iter().filter_map(|factor| of(factor * found.late));
+            found = near.chain([found]).max_by(better)?;
+            step *= 0.5;
+        }
+        Some(found)
+    };
+    all.iter().take(STARTS).filter_map(refined).max_by(better)
+}
+
 struct Judge<'a> {
     setup: &'a Setup<'a>,
     fit: &'a [usize],
@@ -226,22 +247,13 @@ impl Judge<'_> {
     fn outputs(&self, shifts: &[f64]) -> Vec<Shift> {
         let m = self.setup.outputs();
         let unmoved: Vec<Option<f64>> = (0..m).map(|k| self.unmoved(k)).collect();
-        let of = |late: &f64| -> Vec<f64> {
-            let own = |k: usize| {
-                let best =
-                    self.points.iter().filter_map(|p| p.late(k, *late)).min_by(|a, b| a.0.total_cmp(&b.0));
-                best.zip(unmoved[k]).map_or(0.0, |(s, unmoved)| self.gain(k, unmoved, s))
-            };
-            (0..m).map(own).collect()
+        let own = |k: usize, late: f64| {
+            let best = self.points.iter().filter_map(|p| p.late(k, late)).min_by(|a, b| a.0.total_cmp(&b.0));
+            best.zip(unmoved[k]).map_or(0.0, |(s, unmoved)| self.gain(k, unmoved, s))
         };
-        let gains: Vec<Vec<f64>> = shifts.par_iter().map(of).collect();
-        let best = |who: Who, gain: &dyn Fn(&[f64]) -> f64| {
-            let all = shifts.iter().zip(&gains).map(|(late, g)| (*late, gain(g)));
-            let (late, gain) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
-            Some(Shift { who, late, interval: (late, late), gain })
-        };
-        let single = (0..m).filter_map(|k| best(Who::Output(k), &|g| g[k]));
-        let all = best(Who::Outputs, &|g| g.iter().sum()).filter(|_| m > 1);
+        let single = (0..m).filter_map(|k| best(Who::Output(k), shifts, RATIO.0, &|late| Some(own(k, late))));
+        let sum = |late: f64| Some((0..m).map(|k| own(k, late)).sum());
+        let all = best(Who::Outputs, shifts, RATIO.0, &sum).filter(|_| m > 1);
         single.chain(all).collect()
     }
 
@@ -256,7 +268,7 @@ impl Judge<'_> {
             !experiment.inputs[*k].is_temperature() && own.flat_map(|c| c.windows(2)).any(|w| w[0] != w[1])
         };
         let hypothesis = self.setup.preset();
-        let of = |k: usize, late: f64| -> Option<Shift> {
+        let of = |k: usize, late: f64| -> Option<f64> {
             if deadline.is_near() {
                 return None;
             }
@@ -271,18 +283,11 @@ impl Judge<'_> {
             let gain = (0..m).filter_map(|output| {
                 Some(self.gain(output, unmoved[output]?, about.with(&predicted, output)?))
             });
-            Some(Shift { who: Who::Input(k), late, interval: (late, late), gain: gain.sum() })
+            Some(gain.sum())
         };
         let candidates: Vec<usize> = (0..experiment.inputs.len()).filter(moving).collect();
-        let best = |k: &usize| {
-            let better = |a: &Shift, b: &Shift| a.gain.total_cmp(&b.gain);
-            let coarse = shifts.iter().filter_map(|late| of(*k, *late)).max_by(better)?;
-            let near = (-3..=3).map(|n| coarse.late * (1.0 + FINE * f64::from(n)));
-            let fine =
-                near.filter(|_| coarse.gain > 0.5 * LEAST).filter_map(|late| of(*k, late)).max_by(better);
-            Some(fine.unwrap_or(coarse))
-        };
-        candidates.par_iter().filter_map(best).collect()
+        let of = |k: &usize| best(Who::Input(*k), shifts, RATIO.1, &|late| of(*k, late));
+        candidates.par_iter().filter_map(of).collect()
     }
 
     /// Shift with its gain after a fit, and its interval; `None` if it does not explain the residual.
@@ -329,10 +334,12 @@ impl Judge<'_> {
                 );
                 outputs.iter().all(|k| new[*k].is_nan() || new[*k] <= 0.5 * old[*k].max(2.0 * self.noise[*k]))
             };
-            if shift.gain < LEAST || !explains || !validated {
+            // Another clock of the inputs moves every output that depends on them; a lag that the model lacks moves temperatures only.
+            let is_common = gains.iter().all(|gain| *gain > -VERY_STRONG);
+            if shift.gain < LEAST || !explains || !validated || !is_common {
                 return best;
             }
-            let shift_of_fit = self.estimated(&shift, &fitted.hypothesis, &setup)?;
+            let shift_of_fit = self.estimated(&shift, &fitted.hypothesis, &setup, &as_is.hypothesis)?;
             best = Some(Shift { gain: shift.gain, ..shift_of_fit });
             shift = shift_of_fit;
         }
@@ -345,8 +352,15 @@ impl Judge<'_> {
         2.0 * self.noise[output] + STRUCTURE.powi(2) * square
     }
 
-    /// Shift at a fit with its 95 % interval; `None` if a sensor lag explains the data equally well.
-    fn estimated(&self, shift: &Shift, fitted: &Hypothesis, changed: &Setup) -> Option<Shift> {
+    /// Shift at a fit with its 95 % interval; `None` if lags of the outputs explain the data equally well, those about the fit `as_is` for
+    /// an input.
+    fn estimated(
+        &self,
+        shift: &Shift,
+        fitted: &Hypothesis,
+        changed: &Setup,
+        as_is: &Hypothesis,
+    ) -> Option<Shift> {
         let outputs: Vec<usize> = match shift.who {
             Who::Output(k) => vec![k],
             _ => (0..self.setup.outputs()).collect(),
@@ -372,16 +386,19 @@ impl Judge<'_> {
         let inside = costs.iter().filter(|(_, c)| *c <= least + SURE * SURE).map(|(d, _)| *d);
         let half = 0.5 * step;
         let (low, high) = inside.fold((at, at), |(a, b), d| (a.min(d), b.max(d)));
-        if let Who::Output(k) = shift.who
-            && at > 0.0
-        {
-            let lag = |tau: f64| {
-                let (square, count) = about.lagged(k, tau)?;
-                Some(self.samples(count) * square.max(self.noise[k] * 0.5).ln())
+        let (about, late) = match shift.who {
+            Who::Input(_) => (&About::new(self.setup, as_is, self.fit).ok()?, -shift.late),
+            _ => (&about, at),
+        };
+        if late > 0.0 {
+            let lagged = |k: usize| {
+                let lags = (0..LAGS.2).filter_map(|n| about.lagged(k, LAGS.0 * late * LAGS.1.powi(n)));
+                let costs = lags
+                    .chain(about.late(k, 0.0))
+                    .map(|(square, count)| self.samples(count) * square.max(self.noise[k] * 0.5).ln());
+                costs.min_by(f64::total_cmp).unwrap_or(f64::INFINITY)
             };
-            let lags = (0..LAGS.2).map(|n| LAGS.0 * at * LAGS.1.powi(n));
-            let lagged = lags.filter_map(lag).min_by(f64::total_cmp).unwrap_or(f64::INFINITY);
-            if lagged < least + VERY_STRONG {
+            if outputs.iter().map(|k| lagged(*k)).sum::<f64>() < least + VERY_STRONG {
                 return None;
             }
         }
