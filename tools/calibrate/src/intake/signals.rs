@@ -32,15 +32,20 @@ pub(super) const ALIKE: f64 = 0.5;
 /// Number of neighbouring readings. Numerical: their changes determine a scale to 20 %, and spikes exceed it many times.
 const NEAR: usize = 10;
 /// A jump exceeds the channel's usual changes by this factor. Derivation: (1) for 7e4 readings.
-const JUMP: f64 = 6.0;
+pub(super) const JUMP: f64 = 6.0;
 /// A jump is at least this many kelvin. Limit: error of a thermometer that works (thermocouple of class 2, IEC 60584-1).
-const LEAST_JUMP: f64 = 2.5;
+pub(super) const LEAST_JUMP: f64 = 2.5;
 /// Fraction of a channel's changes that are not usual. Tuned: a run has fewer jumps.
 const RARE: f64 = 0.005;
 /// Fewest equal readings of a drop-out. Derivation: two readings of a fine sensor may be equal by chance, three are not.
 const REPEATED: usize = 3;
+/// Least change of an input, in SI units. Numerical: rounding.
+const ROUNDING: f64 = 1e-9;
+/// Standard deviation of a reading from the line between its neighbours, relative to that of a reading. Derivation: the variances of the
+/// reading and of two halves, 1 + 1/4 + 1/4 = 1.5.
+const FROM_LINE: f64 = 1.224_745;
 /// Range of temperature sensors, K. Limit: readings outside are codes of an open or shorted sensor.
-const POSSIBLE: (f64, f64) = (100.0, 1273.15);
+pub(super) const POSSIBLE: (f64, f64) = (100.0, 1273.15);
 
 /// Bound (1) for an experiment.
 pub(super) fn bound(experiment: &Experiment) -> f64 {
@@ -111,13 +116,20 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
             );
             write(note);
         }
+        let inputs = &table.columns[..experiment.inputs.len()];
+        let sizes: Vec<f64> = inputs.iter().map(|c| Readings::of(&table.time, c).size()).collect();
         for k in 0..channels.len() {
             let alone = |row: &&usize| {
                 !failed.contains(row)
                     && (0..channels.len()).all(|other| other == k || !spikes[other].contains(row))
             };
             let mut own: Vec<usize> = spikes[k].iter().filter(alone).copied().collect();
-            if k < experiment.inputs.len() {
+            let inputs = experiment.inputs.len();
+            // Where an input changes, an output may have a pulse; `super::pulses` compares it with the model.
+            if k >= inputs {
+                own.retain(|row| !(0..inputs).any(|j| changes(table, j, *row, least * sizes[j])));
+            }
+            if k < inputs {
                 // A real pulse of an input changes other channels; a spike in its reading does not.
                 own = own
                     .chunk_by(|a, b| b - a == 1)
@@ -164,6 +176,15 @@ fn code(column: &[f64]) -> Option<f64> {
     let (last, below) = runs.split_last()?;
     let low = of(first, above, above.first()?[0] - first[0]);
     low.or_else(|| of(last, below, last[0] - below.last().map_or(f64::INFINITY, |r| r[0])))
+}
+
+/// Whether a channel changes by more than `least` within a spike's width of a row.
+fn changes(table: &Table, channel: usize, row: usize, least: f64) -> bool {
+    let column = &table.columns[channel];
+    let near = &column[row.saturating_sub(WIDEST)..(row + WIDEST + 1).min(column.len())];
+    let ends = near.iter().filter(|x| x.is_finite());
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    high - low > least.max(ROUNDING)
 }
 
 /// Whether a channel deviates from the line between the readings next to these rows.
@@ -235,7 +256,7 @@ impl Readings {
             let off = |j: usize| (column[j] - a - slope * (time[j] - time[row - 1])).abs();
             // All readings of the group deviate, and both sides are at the same level.
             let size = (row..row + width).map(off).fold(f64::INFINITY, f64::min);
-            if size <= least * self.size() || (b - a).abs() > alike * size {
+            if size <= least * FROM_LINE * self.size() || (b - a).abs() > alike * size {
                 return false;
             }
             let from = row.saturating_sub(NEAR);
