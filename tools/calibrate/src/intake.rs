@@ -9,6 +9,7 @@
 
 mod clocks;
 mod consistency;
+mod departures;
 mod pulses;
 mod response;
 mod signals;
@@ -34,6 +35,9 @@ const WRONG_UNIT: f64 = 0.5;
 /// Greatest difference of two working temperature sensors, K. Limit: two thermocouples of class 2 (2.5 K each, IEC 60584-1) with cold
 /// junctions (2 K each) differ by up to 9 K.
 const FAR: f64 = 10.0;
+
+/// Predictions by run, then by output, then by row.
+type Predicted = Vec<Vec<Vec<f64>>>;
 
 /// Reason why the data cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,44 +70,45 @@ impl From<CalibrateError> for Refusal {
 ///
 /// # Errors
 /// [`Refusal`].
-pub fn check(
-    experiment: &mut Experiment,
-    preset: &[(u32, f64)],
-    deadline: &Deadline,
-) -> Result<(), Refusal> {
+pub fn check(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<(), Refusal> {
     sensors(experiment, preset, deadline)?;
     let unusable = clocks::check(experiment, preset, deadline)?.or_else(|| nothing_left(experiment));
     if let Some(unusable) = unusable {
         return Err(Refusal::Unusable(unusable));
     }
     if deadline.is_near() {
-        let note = "the time budget ended the checks of the data before all were made; --budget sets another one";
+        let note =
+            "the time budget ended the checks of the data before all were made; --budget sets another one";
         experiment.notes.push(note.to_string());
     }
     Ok(())
 }
 
 /// All checks except that of the clocks.
-fn sensors(
-    experiment: &mut Experiment,
-    preset: &[(u32, f64)],
-    deadline: &Deadline,
-) -> Result<(), Refusal> {
+fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<(), Refusal> {
     enough(experiment)?;
     if let Some(unusable) = outside_limits(experiment) {
         return Err(Refusal::Unusable(unusable));
     }
     let spikes = signals::set_aside(experiment);
-    let fitted = consistency::contradiction(experiment, preset, deadline)?.map_err(Refusal::Unusable)?;
+    let references = consistency::contradiction(experiment, preset, deadline)?.map_err(Refusal::Unusable)?;
     if let Some(unusable) = start_elsewhere(experiment) {
         return Err(Refusal::Unusable(unusable));
     }
     let predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
-    let fitted = fitted.map(|fitted| predicted_by(experiment, preset, &fitted, deadline)).transpose()?;
-    pulses::set_aside(experiment, &predicted, &spikes);
+    // All outputs as the reference of each output predicts them.
+    let of = |reference: &Option<consistency::Reference>| match reference {
+        Some(one) => predicted_by(experiment, preset, &one.hypothesis, deadline),
+        None => Ok(predicted.clone()),
+    };
+    let fitted = references.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    let is_sure: Vec<bool> = references.iter().map(|r| r.as_ref().is_some_and(|r| r.is_sure)).collect();
+    let own = |run: usize| fitted.iter().enumerate().map(|(k, all)| all[run][k].clone()).collect();
+    let own: Predicted = all_runs(experiment).into_iter().map(own).collect();
+    pulses::set_aside(experiment, &own, &spikes);
     let asked = experiment.clone();
     let deviations = || deviations(&asked, preset, &predicted, deadline);
-    response::set_aside(experiment, &predicted, fitted.as_ref().unwrap_or(&predicted), deviations);
+    response::set_aside(experiment, &predicted, (&fitted, &is_sure), deviations);
     if let Some(unusable) = response::dead_input(experiment, &predicted).or_else(|| nothing_left(experiment))
     {
         return Err(Refusal::Unusable(unusable));
@@ -199,7 +204,7 @@ fn predicted(
     preset: &[(u32, f64)],
     runs: &[usize],
     deadline: &Deadline,
-) -> Vec<Vec<Vec<f64>>> {
+) -> Predicted {
     let Ok(mut bench) = Bench::new(experiment, preset) else { return vec![Vec::new(); runs.len()] };
     bench.ease = crate::setup::EASE;
     bench.deadline = deadline.clone();
@@ -217,7 +222,7 @@ fn predicted_by(
     preset: &[(u32, f64)],
     fitted: &Hypothesis,
     deadline: &Deadline,
-) -> Result<Vec<Vec<Vec<f64>>>, CalibrateError> {
+) -> Result<Predicted, CalibrateError> {
     let setup = Setup::new(experiment, preset)?.until(deadline.clone());
     let of = |run: usize| {
         let shown = setup.bench.run(&setup.drives[run], &setup.change(fitted, run));
@@ -233,8 +238,8 @@ fn deviations(
     preset: &[(u32, f64)],
     predicted: &[Vec<Vec<f64>>],
     deadline: &Deadline,
-) -> Vec<Vec<Vec<f64>>> {
-    let mut all: Vec<Vec<Vec<f64>>> =
+) -> Predicted {
+    let mut all: Predicted =
         predicted.iter().map(|run| run.iter().map(|c| vec![0.0; c.len()]).collect()).collect();
     let Ok(setup) = Setup::new(experiment, preset) else { return all };
     for (k, declared) in setup.declared.iter().enumerate() {
@@ -335,13 +340,17 @@ fn structured<'a>(
     setup.declared.iter_mut().for_each(|d| d.is_free = is_wide(d));
     let inputs = experiment.inputs.len();
     for k in 0..experiment.outputs.len() {
-        let (square, count) = mean_square(experiment, runs, k);
-        let count = count as f64;
-        let samples = (SAMPLES * runs.len() as f64).min(count.max(1.0));
-        let structure = STRUCTURE * (square * count / samples).sqrt();
-        setup.noise[inputs + k] = setup.noise[inputs + k].hypot(structure);
+        setup.noise[inputs + k] = setup.noise[inputs + k].hypot(structure(experiment, runs, k));
     }
     Ok(setup)
+}
+
+/// Structure error of an output over runs, as the standard deviation of independent readings.
+fn structure(experiment: &Experiment, runs: &[usize], output: usize) -> f64 {
+    let (square, count) = mean_square(experiment, runs, output);
+    let count = count as f64;
+    let samples = (SAMPLES * runs.len() as f64).min(count.max(1.0));
+    STRUCTURE * (square * count / samples).sqrt()
 }
 
 /// Mean square of an output over runs (temperatures: rise over ambient), and the number of its readings.

@@ -31,28 +31,22 @@
 
 mod cost;
 mod mistakes;
+mod search;
 mod unmeasured;
 
-use super::{Unusable, sorted};
+use super::{Predicted, Unusable, sorted};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Start};
 use crate::hypothesis::Hypothesis;
-use crate::levels::{CERTAIN, FACTOR, NEARLY, PART, STRUCTURE};
+use crate::levels::{CERTAIN, FACTOR, NEARLY, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
-use mistakes::{Mistake, mistakes};
-use physics::declare::Unit;
+use mistakes::Mistake;
+use search::search;
 
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
 const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
-/// Decrease of the score required for confirming a hypothesis. Derivation: the square of q of one output halves, so that the mistake
-/// accounts for more than it leaves.
-const FALL: f64 = 0.5 * std::f64::consts::LN_2;
-/// Greatest number of simultaneous mistakes. Numerical: a limit of effort.
-const MOST: usize = 3;
-/// Greatest number of hypotheses confirmed for each. Numerical: a limit of effort; the best are tried first.
-const SHORT: usize = 6;
 /// q of an output without any agreement. Numerical: any value far above 1.
 const MOST_OFF: f64 = 10.0;
 /// Rows of a run that are compared; each is the mean over a constant number of readings. Numerical: a run comprises some tens of time
@@ -62,8 +56,6 @@ const ROWS: usize = 500;
 const ROUNDING: f64 = 1e-9;
 /// Least variation of a temperature in (2), K. Limit: smaller ones show no shape.
 const LEAST_RISE: f64 = 0.5;
-/// First and last difference of the common logarithm of a factor. Numerical: the factor is known to 1 %.
-const POWERS: (f64, f64) = (0.25, 0.005);
 
 /// Predictions of the model and their deviation from the data.
 struct Judge<'a> {
@@ -71,9 +63,6 @@ struct Judge<'a> {
     runs: &'a [usize],
     deadline: Deadline,
 }
-
-/// Predictions by run, then by output.
-type Predicted = Vec<Vec<Vec<f64>>>;
 
 impl Judge<'_> {
     fn predicted(&self, experiment: &Experiment) -> Predicted {
@@ -147,13 +136,6 @@ fn score(outputs: &[Option<(f64, f64)>]) -> f64 {
         .sum()
 }
 
-/// Score, at full agreement, of the outputs that a mistake affects.
-fn agreement(mistake: &Mistake, outputs: &[Option<(f64, f64)>], inputs: usize) -> f64 {
-    let touched =
-        mistake.touches().into_iter().filter_map(|k| outputs.get(k.checked_sub(inputs)?).copied().flatten());
-    touched.count() as f64 * STRUCTURE.ln()
-}
-
 fn worst(outputs: &[Option<(f64, f64)>]) -> f64 {
     outputs.iter().flatten().map(|(q, _)| *q).fold(0.0, f64::max)
 }
@@ -189,7 +171,15 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
     thin
 }
 
-/// Reason why the data contradict the model, over all runs or in one file; otherwise the fit of the data as they are. Parameters without
+/// Fit that predicts an output.
+pub struct Reference {
+    /// The parameters.
+    pub hypothesis: Hypothesis,
+    /// Whether the fitted data agree with the model, so that a deviation of the output is not one of the fit.
+    pub is_sure: bool,
+}
+
+/// Reason why the data contradict the model, over all runs or in one file; otherwise the fit that predicts each output. Parameters without
 /// a prior whose values in the preset contradict the data get one.
 ///
 /// # Errors
@@ -198,7 +188,7 @@ pub fn contradiction(
     experiment: &mut Experiment,
     preset: &[(u32, f64)],
     deadline: &Deadline,
-) -> Result<Result<Option<Hypothesis>, Unusable>, CalibrateError> {
+) -> Result<Result<Vec<Option<Reference>>, Unusable>, CalibrateError> {
     let all: Vec<usize> = super::all_runs(experiment);
     let mut thin = thinned(experiment, ROWS);
     let whole = Judge { preset, runs: &all, deadline: deadline.clone() };
@@ -212,11 +202,38 @@ pub fn contradiction(
     }
     let bad = as_is.bad_runs();
     let unusable = if bad.is_empty() || as_is.is_cut { None } else { mistaken(&whole, &thin, &bad)? };
+    if let Some(unusable) = unusable {
+        return Ok(Err(unusable));
+    }
+    let references = references(&whole, &thin, as_is)?;
     experiment.priors = thin.priors;
     experiment.released = thin.released;
-    // Strained parameters may compensate for a failed sensor.
-    let best = as_is.best.filter(|_| as_is.prior <= STRAINED);
-    Ok(unusable.map_or(Ok(best.map(|best| best.hypothesis)), Err))
+    Ok(Ok(references))
+}
+
+/// The fit of the data as they are, if they agree with the model; otherwise each output is predicted by the fit of the others if these
+/// agree. Strained parameters may compensate for a failed sensor and predict nothing.
+fn references(
+    judge: &Judge,
+    experiment: &Experiment,
+    as_is: Cost,
+) -> Result<Vec<Option<Reference>>, CalibrateError> {
+    let agrees = as_is.bad_runs().is_empty() && !as_is.is_cut;
+    let is_strained = as_is.prior > STRAINED;
+    let own = as_is.best.filter(|_| !is_strained).map(|best| best.hypothesis);
+    let of = |output: usize| -> Result<Option<Reference>, CalibrateError> {
+        if !agrees && !judge.deadline.is_near() {
+            let others = fitted(judge, &blanked(experiment, judge.runs, experiment.inputs.len() + output))?;
+            if !others.is_cut
+                && others.bad_runs().is_empty()
+                && let Some(best) = others.best
+            {
+                return Ok(Some(Reference { hypothesis: best.hypothesis, is_sure: true }));
+            }
+        }
+        Ok(own.clone().map(|hypothesis| Reference { hypothesis, is_sure: agrees }))
+    };
+    (0..experiment.outputs.len()).map(of).collect()
 }
 
 /// The mistake in the columns of all runs, or in those of one file.
@@ -250,203 +267,9 @@ fn mistaken(
     Ok(None)
 }
 
-/// The combination of mistakes that gives the best agreement with the model, if no parameter values within the priors explain the
-/// unchanged data nearly as well.
-fn search(
-    judge: &Judge,
-    experiment: &Experiment,
-    predicted: &Predicted,
-    files: &str,
-) -> Result<Option<Unusable>, CalibrateError> {
-    let inputs = experiment.inputs.len();
-    let mut at = experiment.clone();
-    let mut predicted = predicted.clone();
-    let mut found: Vec<Mistake> = Vec::new();
-    let mut cost: Option<Cost> = None;
-    while found.len() < MOST {
-        let outputs = judge.outputs(&at, &predicted);
-        let (now, worst_now) = (score(&outputs), worst(&outputs));
-        let candidates = mistakes(&at);
-        let taken = |m: &Mistake| m.touches().iter().any(|k| found.iter().any(|f| f.touches().contains(k)));
-        let mut best: Vec<Changed> = Vec::new();
-        let try_one = |best: &mut Vec<Changed>, mistake: Mistake| {
-            let mut changed = at.clone();
-            mistake.apply(&mut changed, judge.runs);
-            if !is_possible(&changed, &mistake) {
-                return;
-            }
-            let shown =
-                if mistake.is_simulated(inputs) { judge.predicted(&changed) } else { predicted.clone() };
-            let after = judge.outputs(&changed, &shown);
-            if agrees_more(&outputs, &after) {
-                best.push((score(&after), mistake, changed, shown));
-                shortlist(best);
-            }
-        };
-        // Outputs first, because they need no simulation; then inputs; arbitrary factors last.
-        for mistake in candidates.iter().filter(|m| !taken(m) && !m.is_simulated(inputs)) {
-            // Upper bound of the gain: full agreement of the affected outputs.
-            let own =
-                mistake.touches().into_iter().filter_map(|k| outputs.get(k.checked_sub(inputs)?).copied());
-            if score(&own.collect::<Vec<_>>()) >= FALL + agreement(mistake, &outputs, inputs) {
-                try_one(&mut best, mistake.clone());
-            }
-        }
-        for mistake in candidates.iter().filter(|m| !taken(m) && m.is_simulated(inputs)) {
-            if worst_now < PART || judge.deadline.is_over() {
-                break;
-            }
-            try_one(&mut best, mistake.clone());
-        }
-        let is_explained = |best: &[Changed]| best.first().is_some_and(|(value, ..)| *value < now - FALL);
-        // An arbitrary factor is tried only if no usual mistake explains the data.
-        if !is_explained(&best) && !judge.deadline.is_over() {
-            for (k, output) in outputs.iter().enumerate() {
-                if let Some((_, ratio)) = output.filter(|(q, r)| *q > PART && r.is_finite() && *r != 0.0)
-                    && !(1.0 / FACTOR..=FACTOR).contains(&ratio)
-                    && !at.outputs[k].is_temperature()
-                {
-                    let words = format!("readings divided by {ratio:.3}");
-                    let columns = vec![inputs + k];
-                    let mistake = Mistake::Affine { columns, factor: 1.0 / ratio, offset: 0.0, words };
-                    if !taken(&mistake) {
-                        try_one(&mut best, mistake);
-                    }
-                }
-            }
-        }
-        if worst_now > 2.0 * PART && !is_explained(&best) {
-            let of = any_factor(judge, &at).into_iter();
-            best.extend(of.filter(|one| agrees_more(&outputs, &judge.outputs(&one.2, &one.3))));
-            shortlist(&mut best);
-        }
-        best.retain(|(value, ..)| *value < now - FALL);
-        // Exchanged thermometers, or a common wrong unit, hardly change the shapes.
-        for mistake in candidates.iter().filter(|m| !taken(m) && m.is_alike(&at)) {
-            let mut changed = at.clone();
-            mistake.apply(&mut changed, judge.runs);
-            if is_possible(&changed, mistake) {
-                let shown =
-                    if mistake.is_simulated(inputs) { judge.predicted(&changed) } else { predicted.clone() };
-                best.push((score(&judge.outputs(&changed, &shown)), mistake.clone(), changed, shown));
-            }
-        }
-        let implied = unmeasured::of(judge, &at, &predicted, &outputs);
-        best.extend(implied.into_iter().filter(|one| !taken(&one.1)));
-        if best.is_empty() {
-            break;
-        }
-        let as_is = match cost.take() {
-            Some(cost) => cost,
-            None => fitted(judge, &at)?,
-        };
-        if as_is.is_cut {
-            break;
-        }
-        let mut confirmed: Option<(Cost, Changed)> = None;
-        for one in best {
-            let as_meant = fitted(judge, &one.2)?;
-            // An output that implies an input is not evidence: both costs are computed without it.
-            let without = match one.1 {
-                Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(&at, judge.runs, by))?),
-                _ => None,
-            };
-            if without.as_ref().unwrap_or(&as_is).is_worse_than(&as_meant)
-                && confirmed.as_ref().is_none_or(|(least, _)| as_meant.whole() < NEARLY * least.whole())
-            {
-                confirmed = Some((as_meant, one));
-            }
-        }
-        let Some((as_meant, (_, mistake, changed, shown))) = confirmed else { break };
-        found.push(mistake);
-        (at, predicted, cost) = (changed, shown, Some(as_meant));
-    }
-    let Some(first) = found.first() else { return Ok(None) };
-    let (channel, mut reason, mut suggestion) = first.words(experiment, files);
-    for mistake in &found[1..] {
-        let (_, further, what) = mistake.words(experiment, files);
-        reason = format!("{reason}; {further}");
-        suggestion = format!("{suggestion}; {what}");
-    }
-    Ok(Some(Unusable { channel, reason, suggestion }))
-}
-
 /// The experiment without the readings of a column in these runs.
 fn blanked(experiment: &Experiment, runs: &[usize], column: usize) -> Experiment {
     let mut changed = experiment.clone();
     runs.iter().for_each(|run| changed.runs[*run].table.columns[column].fill(f64::NAN));
     changed
-}
-
-/// Keeps the best few, best first; among equals the first that was tried.
-fn shortlist(best: &mut Vec<Changed>) {
-    best.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Of those that change the same columns, only the best is kept.
-    let mut seen: Vec<Vec<usize>> = Vec::new();
-    best.retain(|one| {
-        let own = one.1.touches();
-        let is_new = !seen.contains(&own);
-        seen.push(own);
-        is_new
-    });
-    best.truncate(SHORT);
-}
-
-/// Whether the inputs that a mistake changes are within the limits of their variables.
-fn is_possible(changed: &Experiment, mistake: &Mistake) -> bool {
-    let declaration = super::declaration(changed);
-    mistake.touches().into_iter().filter(|k| *k < changed.inputs.len()).all(|k| {
-        let entry = changed.inputs[k].input.and_then(|name| declaration?.by_name(name));
-        let middle = super::median(changed.runs.iter().flat_map(|r| r.table.columns[k].iter().copied()));
-        entry.is_none_or(|e| (e.row.min..=e.row.max).contains(&middle))
-    })
-}
-
-/// Whether one output agrees better and no output that agreed is now far off.
-fn agrees_more(before: &[Option<(f64, f64)>], after: &[Option<(f64, f64)>]) -> bool {
-    let pairs = || before.iter().flatten().zip(after.iter().flatten()).map(|((a, _), (b, _))| (*a, *b));
-    pairs().any(|(a, b)| b < PART && b < 0.5 * a) && !pairs().any(|(a, b)| a < PART && b > PART)
-}
-
-/// Corrected mistake: score, mistake, changed data and their prediction.
-type Changed = (f64, Mistake, Experiment, Predicted);
-
-/// Each input with the factor that gives the best agreement with the model.
-fn any_factor(judge: &Judge, experiment: &Experiment) -> Vec<Changed> {
-    let mut found = Vec::new();
-    for (k, channel) in experiment.inputs.iter().enumerate() {
-        if matches!(channel.unit, Unit::Kelvin | Unit::Pascal | Unit::One) {
-            continue;
-        }
-        let tried = |power: f64| {
-            let factor = 10f64.powf(power);
-            let words = format!("readings times {factor:.3}");
-            let mistake = Mistake::Affine { columns: vec![k], factor, offset: 0.0, words };
-            let mut changed = experiment.clone();
-            mistake.apply(&mut changed, judge.runs);
-            let shown = judge.predicted(&changed);
-            (score(&judge.outputs(&changed, &shown)), mistake, changed, shown)
-        };
-        let mut best: Option<(f64, Changed)> = None;
-        let mut step = POWERS.0;
-        let mut powers: Vec<f64> =
-            (-12..=12).map(|k| f64::from(k) * step).filter(|p| p.abs() > FACTOR.log10()).collect();
-        while step > POWERS.1 {
-            for power in std::mem::take(&mut powers) {
-                if judge.deadline.is_over() {
-                    break;
-                }
-                let one = tried(power);
-                if best.as_ref().is_none_or(|(_, least)| one.0 < least.0) {
-                    best = Some((power, one));
-                }
-            }
-            step *= 0.5;
-            let Some((at, _)) = &best else { break };
-            powers = vec![at - step, at + step];
-            powers.retain(|p| p.abs() > FACTOR.log10());
-        }
-        found.extend(best.map(|(_, one)| one));
-    }
-    found
 }

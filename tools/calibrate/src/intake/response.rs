@@ -16,7 +16,7 @@
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
 use super::signals::WIDEST;
-use super::{FAR, Unusable, ambient, median, sorted};
+use super::{FAR, Predicted, Unusable, ambient, departures, median, sorted};
 use crate::experiment::{Channel, Experiment, Role};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
@@ -39,6 +39,9 @@ const CLEAR: f64 = 2.0 * CERTAIN;
 const WHOLE: f64 = 0.5;
 /// Fewest readings of a run for this check. Derivation: the noise is then known to 11 %, 1 / sqrt(2 n).
 const ENOUGH: usize = 40;
+/// Fraction of a deviation from which that of another thermometer confirms it. Derivation: without temperature differences in the motor
+/// both deviate equally, and a failed sensor alone does not move the other; this is the middle.
+const AGREES: f64 = 0.5;
 /// Quantile of a variation that ignores spikes, on either side. Numerical: 2 % of the readings.
 const TAIL: f64 = 0.02;
 
@@ -76,16 +79,37 @@ fn spread(values: &[f64]) -> f64 {
     if all.is_empty() { 0.0 } else { at(1.0 - TAIL) - at(TAIL) }
 }
 
+/// Failed readings of an output in a run.
+struct Failure {
+    output: usize,
+    run: usize,
+    /// By place in `own`.
+    bad: Vec<bool>,
+    /// Those that repeat exactly or jump as no temperature does.
+    proven: Vec<usize>,
+    why: &'static str,
+    sigma: f64,
+    /// With the best prediction that there is.
+    own: Pair,
+}
+
 /// Sets aside sensors that do not respond, with notes: those that follow neither the preset's prediction nor that of the fitted
-/// parameters, by run and output. A current that is the small difference of two voltages cannot be predicted by a preset.
+/// parameters, by run and output. A current that is the small difference of two voltages cannot be predicted by a preset. With a sure
+/// fit, a sensor that departs from it in a run is set aside too.
 pub fn set_aside(
     experiment: &mut Experiment,
     predicted: &[Vec<Vec<f64>>],
-    fitted: &[Vec<Vec<f64>>],
-    deviations: impl FnOnce() -> Vec<Vec<Vec<f64>>>,
+    (fitted, is_sure): (&[Predicted], &[bool]),
+    deviations: impl FnOnce() -> Predicted,
 ) {
     let deviations = LazyCell::new(deviations);
-    let mut notes: Vec<String> = Vec::new();
+    let mut failures: Vec<Failure> = Vec::new();
+    // Deviation of a channel, by row of a run, from the prediction of an output's fit.
+    let off = |of: usize, output: usize, run: usize| -> Vec<f64> {
+        let column = &experiment.runs[run].table.columns[experiment.inputs.len() + output];
+        let Some(model) = fitted[of][run].get(output) else { return vec![f64::NAN; column.len()] };
+        column.iter().zip(model).map(|(y, p)| y - p).collect()
+    };
     for output in 0..experiment.outputs.len() {
         let channel = experiment.outputs[output];
         let mut pairs: Vec<Pair> =
@@ -97,14 +121,16 @@ pub fn set_aside(
         let ratio = if ratio.is_finite() { ratio.clamp(1.0 / FACTOR, FACTOR) } else { 1.0 };
         pairs.iter_mut().flat_map(|p| &mut p.model).for_each(|m| *m *= ratio);
         let moves = pairs.iter().map(|p| spread(&p.model)).fold(0.0, f64::max);
-        let off =
-            |p: &Pair| -> Vec<f64> { p.read.iter().zip(&p.model).map(|(y, m)| (y - m).abs()).collect() };
-        for (run, own) in pairs.iter().enumerate() {
+        let is_sure = is_sure[output] && channel.is_temperature();
+        let own = |run: usize| off(output, output, run);
+        let own: Vec<Vec<f64>> = (0..experiment.runs.len()).map(own).collect();
+        let usual = if is_sure { departures::usual(experiment, &own) } else { 0.0 };
+        for (run, own) in pairs.into_iter().enumerate() {
             if own.rows.len() < ENOUGH {
                 continue;
             }
-            let first = experiment.inputs.len() + output;
             let table = &experiment.runs[run].table;
+            let first = experiment.inputs.len() + output;
             let column: Vec<f64> = own.rows.iter().map(|row| table.columns[first][*row]).collect();
             let time: Vec<f64> = own.rows.iter().map(|row| table.time[*row]).collect();
             let sigma = noise::of_column(&time, &column).unwrap_or(0.0);
@@ -112,54 +138,84 @@ pub fn set_aside(
                 let of = |row: &usize| deviations[run].get(output).map_or(0.0, |all| all[*row].powi(2));
                 (rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64).sqrt()
             };
-            let judge = Judge { channel, own, column: &column, sigma, moves, doubt: &doubt };
-            let Some((mut bad, why)) = judge.bad() else { continue };
-            let of_fit = pair(experiment, &fitted[run], run, output);
-            if of_fit.rows == own.rows {
-                let moves = spread(&of_fit.model).max(moves);
+            let judge = Judge { channel, own: &own, column: &column, sigma, moves, doubt: &doubt };
+            let of_fit = pair(experiment, &fitted[output][run], run, output);
+            let is_fitted = of_fit.rows == own.rows;
+            let moves = spread(&of_fit.model).max(moves);
+            let mut failed = judge.bad();
+            if let Some((bad, _)) = failed.as_mut().filter(|_| is_fitted) {
                 let fit = Judge { own: &of_fit, moves, ..judge };
-                let Some((also, _)) = fit.bad() else { continue };
+                let also = fit.bad().map_or_else(|| vec![false; bad.len()], |(also, _)| also);
+                let is_bad_in_fit = also.contains(&true);
                 bad.iter_mut().zip(also).for_each(|(bad, also)| *bad &= also);
-                if !bad.contains(&true) {
+                if is_bad_in_fit && !bad.contains(&true) {
                     // A jump that neither prediction contains; they may differ on which side of it is wrong.
                     fit.moved().into_iter().for_each(|k| bad[k] = true);
                 }
-                if !bad.contains(&true) {
-                    continue;
-                }
             }
-            // Reference agreement: the other runs, and the valid part of this run.
-            let good = pairs.iter().enumerate().filter(|(k, _)| *k != run).flat_map(|(_, p)| off(p));
-            let kept = off(own).into_iter().zip(&bad).filter(|(_, bad)| !**bad).map(|(x, _)| x);
-            let usual = sorted(good.chain(kept));
-            let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(0.0);
-            let jumps = if channel.is_temperature() { super::signals::jumps(&column) } else { Vec::new() };
-            widen(&mut bad, &off(own), usual.max(CERTAIN * sigma), &jumps);
-            let count = bad.iter().filter(|bad| **bad).count();
-            let file = experiment.runs[run].file.clone();
-            let column = &mut experiment.runs[run].table.columns[first];
-            let note = if count as f64 > WHOLE * own.rows.len() as f64 {
-                column.fill(f64::NAN);
-                format!("{file}: {} {why}; it is set aside in this run", channel.column)
-            } else {
-                let at = |k: Option<usize>| k.map_or(f64::NAN, |k| time[k]);
-                let (from, to) = (at(bad.iter().position(|b| *b)), at(bad.iter().rposition(|b| *b)));
-                own.rows
-                    .iter()
-                    .zip(&bad)
-                    .filter(|(_, bad)| **bad)
-                    .for_each(|(row, _)| column[*row] = f64::NAN);
-                format!(
-                    "{file}: {} {why}; {count} readings from {from} s to {to} s are set aside",
-                    channel.column
-                )
-            };
-            if !notes.contains(&note) {
-                notes.push(note);
+            failed = failed.filter(|(bad, _)| bad.contains(&true));
+            if failed.is_none() && is_sure && is_fitted {
+                let gone = departures::rows(&time, &of_fit.read, &of_fit.model, usual, CLEAR * sigma);
+                failed = Some((gone, departures::WHY)).filter(|(gone, _)| gone.contains(&true));
             }
+            let Some((bad, why)) = failed else { continue };
+            let proven = judge.repeated().into_iter().chain(judge.jumped()).filter(|k| bad[*k]).collect();
+            let own = if is_sure && is_fitted { of_fit } else { own };
+            failures.push(Failure { output, run, bad, proven, why, sigma, own });
+        }
+    }
+    // Two thermometers do not fail together: what both read is the heat, and the prediction is wrong.
+    let warm: Vec<usize> =
+        (0..experiment.outputs.len()).filter(|k| experiment.outputs[*k].is_temperature()).collect();
+    for failure in failures.iter_mut().filter(|f| warm.contains(&f.output)) {
+        let own = off(failure.output, failure.output, failure.run);
+        let bad: Vec<usize> =
+            (0..failure.bad.len()).filter(|k| failure.bad[*k] && !failure.proven.contains(k)).collect();
+        let is_heat = warm.iter().filter(|k| **k != failure.output).any(|other| {
+            let other = off(failure.output, *other, failure.run);
+            let agrees = |row: usize| other[row] * own[row].signum() > AGREES * own[row].abs();
+            let count = bad.iter().filter(|k| agrees(failure.own.rows[**k])).count();
+            count as f64 > WHOLE * bad.len() as f64
+        });
+        if is_heat {
+            bad.into_iter().for_each(|k| failure.bad[k] = false);
+        }
+    }
+    failures.retain(|f| f.bad.iter().filter(|bad| **bad).count() >= LEAST_ROWS);
+    let mut notes: Vec<String> = Vec::new();
+    for k in 0..failures.len() {
+        let note = blank(experiment, &failures, k);
+        if !notes.contains(&note) {
+            notes.push(note);
         }
     }
     experiment.notes.extend(notes);
+}
+
+/// Sets aside the readings of a failure, widened to all that deviate unusually; returns the note.
+fn blank(experiment: &mut Experiment, failures: &[Failure], k: usize) -> String {
+    let Failure { output, run, bad, why, sigma, own, .. } = &failures[k];
+    let channel = experiment.outputs[*output];
+    let first = experiment.inputs.len() + output;
+    let off: Vec<f64> = own.read.iter().zip(&own.model).map(|(y, m)| (y - m).abs()).collect();
+    let usual = sorted(off.iter().zip(bad).filter(|(_, bad)| !**bad).map(|(x, _)| *x));
+    let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(0.0);
+    let table = &experiment.runs[*run].table;
+    let column: Vec<f64> = own.rows.iter().map(|row| table.columns[first][*row]).collect();
+    let jumps = if channel.is_temperature() { super::signals::jumps(&column) } else { Vec::new() };
+    let mut bad = bad.clone();
+    widen(&mut bad, &off, usual.max(CERTAIN * sigma), &jumps);
+    let time = |k: Option<usize>| k.map_or(f64::NAN, |k| table.time[own.rows[k]]);
+    let (from, to) = (time(bad.iter().position(|b| *b)), time(bad.iter().rposition(|b| *b)));
+    let count = bad.iter().filter(|bad| **bad).count();
+    let run = &mut experiment.runs[*run];
+    let column = &mut run.table.columns[first];
+    if count as f64 > WHOLE * own.rows.len() as f64 {
+        column.fill(f64::NAN);
+        return format!("{}: {} {why}; it is set aside in this run", run.file, channel.column);
+    }
+    own.rows.iter().zip(&bad).filter(|(_, bad)| **bad).for_each(|(row, _)| column[*row] = f64::NAN);
+    format!("{}: {} {why}; {count} readings from {from} s to {to} s are set aside", run.file, channel.column)
 }
 
 /// Extends the failed rows, with a margin, as long as the reading deviates from the prediction by more than usual. The extension ends at a

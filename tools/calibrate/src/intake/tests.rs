@@ -109,7 +109,9 @@ fn a_row_that_the_logger_lost_is_set_aside() {
 /// The delay is estimated, and the channel is set aside; a sensor lag is left to the search for effects.
 #[test]
 fn a_channel_with_a_clock_of_its_own_is_set_aside() {
-    for (k, seconds) in [(WINDING, 24.0), (WINDING, -60.0), (VOLTAGE, 33.0), (HOUSING, 80.0)] {
+    for (k, seconds) in
+        [(WINDING, 24.0), (WINDING, -60.0), (VOLTAGE, 33.0), (HOUSING, 80.0), (TORQUE, 73.0), (TORQUE, -41.0)]
+    {
         let mut shifted = experiment(5);
         late(&mut shifted, k, seconds);
         let outcome = check(&mut shifted, &[], &Deadline::default());
@@ -135,7 +137,9 @@ fn an_input_with_a_clock_of_its_own_is_unusable() {
     for seconds in [30.0, -45.0] {
         let mut shifted = experiment(6);
         late(&mut shifted, CURRENT, seconds);
-        let Err(Refusal::Unusable(why)) = check(&mut shifted, &[], &Deadline::default()) else { panic!("{:?}", shifted.notes) };
+        let Err(Refusal::Unusable(why)) = check(&mut shifted, &[], &Deadline::default()) else {
+            panic!("{:?}", shifted.notes)
+        };
         assert_eq!(why.channel, "current_A", "{why:?}");
     }
 }
@@ -269,9 +273,84 @@ fn a_small_current_is_no_dead_sensor() {
     let preset = predicted(&run, &[], &[0], &Deadline::default());
     let blank = |doubts: Vec<Vec<Vec<f64>>>| {
         let mut run = run.clone();
-        response::set_aside(&mut run, &preset, &preset, || doubts);
+        let fitted = vec![preset.clone(); 4];
+        response::set_aside(&mut run, &preset, (&fitted, &[false; 4]), || doubts);
         run.runs[0].table.columns[4].iter().filter(|x| x.is_nan()).count()
     };
     assert_eq!(blank(deviations(&run, &[], &preset, &Deadline::default())), 0);
     assert!(blank(vec![vec![vec![0.0; rows]; 4]]) > 100);
+}
+
+fn reason(experiment: &mut Experiment) -> String {
+    match check(experiment, &[], &Deadline::default()) {
+        Err(Refusal::Unusable(why)) => format!("{}: {}", why.channel, why.reason),
+        other => format!("{other:?}, {:?}", experiment.notes),
+    }
+}
+
+/// Of several factors that agree with the model the fit distinguishes the right one; those that it cannot distinguish are all named, first
+/// the one with a reason.
+#[test]
+fn a_factor_is_named_as_the_unit_that_it_is() {
+    let all = [
+        (SPEED, 30.0 / std::f64::consts::PI, "speed_rad_per_s", "readings in rpm"),
+        (TORQUE, 9.549_3, "shaft_torque_Nm", "readings times 0.1047 (the factor 9.549"),
+        (TORQUE, 1e3, "shaft_torque_Nm", "readings in mN.m"),
+        (VOLTAGE, 1e3, "voltage_V", "readings in mV"),
+    ];
+    for (k, factor, channel, words) in all {
+        let mut wrong = experiment(16);
+        column(&mut wrong, k).iter_mut().for_each(|x| *x *= factor);
+        let reason = reason(&mut wrong);
+        assert!(reason.starts_with(channel) && reason.contains(words), "{reason}");
+    }
+}
+
+/// A value in [set] that is wrong contradicts the data as a wrong unit does: it is named too, with the value that agrees.
+#[test]
+fn a_wrong_value_of_a_parameter_is_named() {
+    for (name, factor, truth) in
+        [("thermal.C_h", 0.4, 0.9), ("conductance.G_still", 2.0, 1.1), ("motor.k_t", 1.5, 0.98)]
+    {
+        let mut wrong = experiment(17);
+        let setup = Setup::new(&wrong, &[]).unwrap();
+        let own = setup.declared.iter().find(|d| d.name == name).unwrap().prior;
+        wrong.priors.retain(|p| p.name != name);
+        wrong.set.push((name.to_string(), factor * own));
+        let reason = reason(&mut wrong);
+        let words = format!("; {name} = ");
+        let value = reason.split(&words).nth(1).and_then(|rest| rest.split(' ').next()?.parse::<f64>().ok());
+        let value = value.unwrap_or_else(|| panic!("{name}: {reason}"));
+        assert!((value / own / truth - 1.0).abs() < 0.3, "{reason}");
+        assert!(reason.contains("would explain the data as well"), "{reason}");
+    }
+}
+
+/// A thermometer that comes off while the motor is 5 K warm reads less than 10 K wrong; heat that the model lacks moves both thermometers.
+#[test]
+fn a_thermometer_that_comes_off_is_set_aside() {
+    for k in [WINDING, HOUSING] {
+        let mut off = with_inputs(18, |columns| columns[CURRENT].iter_mut().for_each(|i| *i *= 0.45));
+        let housing = column(&mut off, HOUSING).clone();
+        let (mut rng, from) = (rng(19), 780);
+        let first = column(&mut off, k)[from];
+        for (n, x) in column(&mut off, k).iter_mut().enumerate().skip(from) {
+            let air = 296.15 + 0.05 * (housing[n] - 296.15);
+            *x = air + (first - air) * (-3.0 * (n - from) as f64 / 22.0).exp() + 0.1 * normal(&mut rng);
+        }
+        assert_eq!(unusable(&mut off), None);
+        let blank = |rows: std::ops::Range<usize>| {
+            off.runs[0].table.columns[k][rows].iter().filter(|x| x.is_nan()).count()
+        };
+        assert!(blank(790..1200) > 400 && blank(0..760) < 20, "{k}: {:?}", off.notes);
+    }
+    let mut heated = with_inputs(18, |columns| columns[CURRENT].iter_mut().for_each(|i| *i *= 0.45));
+    for k in [WINDING, HOUSING] {
+        for (n, x) in column(&mut heated, k).iter_mut().enumerate().skip(780) {
+            *x += 6.0 * (1.0 - (-3.0 * (n - 780) as f64 / 150.0).exp());
+        }
+    }
+    assert_eq!(unusable(&mut heated), None);
+    let there = |k: usize| heated.runs[0].table.columns[k].iter().filter(|x| x.is_finite()).count();
+    assert!(there(WINDING) == 1200 && there(HOUSING) == 1200, "{:?}", heated.notes);
 }

@@ -1,15 +1,16 @@
 //! Minimum over the declared parameters of the deviation of data and model, with structure error as noise.
 
-use super::super::{all_runs, structured};
-use super::{Judge, STRAINED};
+use super::super::{all_runs, structure, structured};
+use super::{Judge, Predicted, STRAINED, blanked};
 use crate::CalibrateError;
 use crate::experiment::{Deviation, Experiment, Prior, Role};
 use crate::fit::Fitted;
-use crate::levels::{DECISIVE, FACTOR, SAMPLES};
+use crate::levels::{DECISIVE, FACTOR, SAMPLES, SMALL};
 use crate::linearization::Linearization;
 use crate::selection::LEAST;
-use crate::setup::Setup;
+use crate::setup::{Setup, Shown};
 use crate::undeclared;
+use physics::declare::{Causality, Kind};
 
 /// Minimum of the cost over the declared parameters: by output, and of the priors.
 pub(super) struct Cost {
@@ -33,7 +34,7 @@ impl Cost {
             outputs: setup.chi_squares(runs, &fitted.shown),
             fitted: runs.len(),
             prior: fitted.cost - fitted.chi_square,
-            runs: all.iter().map(|r| setup.chi_square(&[*r], &shown[*r..=*r]).0).collect(),
+            runs: all.iter().map(|r| of_run(setup, runs, *r, &shown[*r])).collect(),
             is_cut: setup.deadline().is_near(),
             best: Some(fitted),
         })
@@ -43,12 +44,13 @@ impl Cost {
         self.outputs.iter().sum::<f64>() + self.prior
     }
 
-    /// Whether the cost is worse in those outputs in which the two differ. The other outputs may lack an unrelated effect.
-    pub(super) fn is_worse_than(&self, other: &Cost) -> bool {
-        let pairs =
-            self.outputs.iter().zip(&other.outputs).filter(|(own, other)| (*own - *other).abs() > LEAST);
+    /// Whether the cost is worse in those outputs in which the two differ, `except` for one. The other outputs may lack an unrelated
+    /// effect.
+    pub(super) fn is_worse_than(&self, other: &Cost, except: Option<usize>) -> bool {
+        let pairs = self.outputs.iter().zip(&other.outputs).enumerate().filter(|(k, _)| Some(*k) != except);
+        let pairs = pairs.map(|(_, pair)| pair).filter(|(own, other)| (*own - *other).abs() > LEAST);
         let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
-        own > FACTOR * meant && self.whole() > other.whole() + DECISIVE
+        own > FACTOR * meant && own > meant + DECISIVE
     }
 
     /// (3), with respect to a fit with one parameter more.
@@ -64,6 +66,22 @@ impl Cost {
         let is_bad = |run: &usize| self.runs[*run] > limit || self.prior > STRAINED;
         (0..self.runs.len()).filter(is_bad).collect()
     }
+}
+
+/// Cost of one run. The structure error of a quantity that follows the inputs at once has the size that the quantity has in this run, and
+/// at least the fraction [`SMALL`] of that in the fitted ones.
+fn of_run(setup: &Setup, fitted: &[usize], run: usize, shown: &Shown) -> f64 {
+    let all = setup.squares(&[run], std::slice::from_ref(shown)).into_iter().enumerate();
+    all.map(|(output, (square, _))| {
+        let (mut variance, of_all) =
+            (setup.sigma(output).powi(2), structure(setup.experiment, fitted, output));
+        if !setup.experiment.outputs[output].is_temperature() {
+            let own = structure(setup.experiment, &[run], output).clamp(SMALL * of_all, of_all);
+            variance += own * own - of_all * of_all;
+        }
+        square / variance.max(f64::MIN_POSITIVE)
+    })
+    .sum()
 }
 
 /// The experiment with structure errors as noise, and its runs that are fitted: all of the judge if none has that role.
@@ -91,6 +109,50 @@ pub(super) fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, Cal
         is_cut: setup.deadline().is_near(),
         best: None,
     }))
+}
+
+/// Prediction of each output by the fit of the others, from `predicted` where that fails.
+pub(super) fn crossed(
+    judge: &Judge,
+    experiment: &Experiment,
+    predicted: &Predicted,
+) -> Result<Predicted, CalibrateError> {
+    let mut all = predicted.clone();
+    for output in 0..experiment.outputs.len() {
+        let others = blanked(experiment, judge.runs, experiment.inputs.len() + output);
+        let (setup, runs) = prepared(judge, &others)?;
+        let Ok(fitted) = setup.fit(setup.preset(), &runs) else { continue };
+        let Ok(shown) = setup.show(&fitted.hypothesis, judge.runs) else { continue };
+        for (run, shown) in all.iter_mut().zip(shown) {
+            run[output] = shown.into_iter().skip(output).step_by(setup.outputs()).collect();
+        }
+    }
+    Ok(all)
+}
+
+/// Cost if a parameter of [set] or [prior] may have any value of its order, with this value and the present one; `None` if it is no real
+/// number or zero.
+pub(super) fn with_free(
+    judge: &Judge,
+    experiment: &Experiment,
+    name: &str,
+) -> Result<Option<(Cost, f64, f64)>, CalibrateError> {
+    let mut other = experiment.clone();
+    other.priors.retain(|p| p.name != name);
+    let entry = super::super::declaration(experiment).and_then(|all| all.by_name(name));
+    if entry.is_none_or(|e| e.row.causality != Causality::Parameter || !matches!(e.row.kind, Kind::Real)) {
+        return Ok(None);
+    }
+    let deviation = Deviation::Relative(undeclared::DEVIATION);
+    other.priors.insert(0, Prior { name: name.to_string(), deviation });
+    let (setup, runs) = prepared(judge, &other)?;
+    let own = setup.declared[0].prior;
+    if own == 0.0 {
+        return Ok(None);
+    }
+    let Ok(fitted) = setup.fit(setup.preset(), &runs) else { return Ok(None) };
+    let value = fitted.hypothesis.declared[0];
+    Ok(Some((Cost::new(&setup, fitted, &runs)?, value, own)))
 }
 
 /// The experiment with a prior for the parameter whose value in the preset contradicts the data most, and the cost then; `None` if there is

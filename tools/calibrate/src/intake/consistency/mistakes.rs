@@ -90,6 +90,14 @@ impl Mistake {
         }
     }
 
+    /// Change of the readings in words, if it is one of a unit, a factor or a sign.
+    pub fn change(&self) -> Option<&str> {
+        match self {
+            Mistake::Affine { words, .. } => Some(words),
+            _ => None,
+        }
+    }
+
     /// Faulty channel, reason and suggested correction.
     pub fn words(&self, experiment: &Experiment, files: &str) -> (String, String, String) {
         let name = |k: usize| channels(experiment)[k].column.to_string();
@@ -157,6 +165,9 @@ fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
 /// Two units with factors or offsets that differ by less are the same. Numerical: rounding of the factors.
 const SAME: f64 = 1e-3;
 
+/// Minutes in a radian per second. Definition: 60 s / 2 pi.
+const TURNS: f64 = 30.0 / std::f64::consts::PI;
+
 /// Factor and offset in SI units of all unit mistakes for a quantity, with a description of the readings.
 fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     let mut all: Vec<(f64, f64, String)> = Vec::new();
@@ -187,6 +198,12 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
                 format!("readings times {factor:.4} (as of {as_meant} and {as_stated})")
             };
             add(factor, meant.offset - factor * stated.offset, words);
+        }
+    }
+    if of == Unit::NewtonMetre {
+        // P = 2 pi / 60 n M with the speed in 1/min, as in tables of machines.
+        for factor in [TURNS, 1.0 / TURNS] {
+            add(factor, 0.0, format!("readings times {factor:.4} (the factor 9.549 between N.m and W min)"));
         }
     }
     let powers: &[i32] =

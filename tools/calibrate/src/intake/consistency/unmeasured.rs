@@ -7,7 +7,8 @@
 //! the input really is constant, as with a locked shaft, their agreement deteriorates. If no other output depends on the input by more
 //! than the structure error, no conclusion is drawn.
 
-use super::{Changed, Judge, Mistake, Predicted, blanked, score};
+use super::search::Changed;
+use super::{Judge, Mistake, Predicted, blanked};
 use crate::experiment::Experiment;
 use crate::levels::SMALL;
 use physics::declare::Unit;
@@ -82,6 +83,6 @@ fn implied(
         shown = judge.predicted(&changed);
     }
     let changed = blanked(&changed, judge.runs, by);
-    let value = score(&judge.outputs(&changed, &shown));
-    Some((value, Mistake::Unmeasured { column, by }, changed, shown))
+    // Its agreement is no criterion: one output less.
+    Some(Changed { score: 0.0, mistake: Mistake::Unmeasured { column, by }, data: changed, shown })
 }

@@ -1,0 +1,311 @@
+//! Search for the mistakes in the columns that explain a contradiction between data and model.
+
+use super::cost::{Cost, crossed, fitted, with_free};
+use super::mistakes::{Mistake, mistakes};
+use super::{Judge, Predicted, blanked, score, unmeasured, worst};
+use crate::CalibrateError;
+use crate::experiment::Experiment;
+use crate::intake::signals::POSSIBLE;
+use crate::intake::{Unusable, declaration, median};
+use crate::levels::{FACTOR, PART, SAMPLES, STRUCTURE};
+use crate::selection::LEAST;
+use physics::declare::Unit;
+
+/// Decrease of the score required for confirming a hypothesis. Derivation: the square of q of one output halves, so that the mistake
+/// accounts for more than it leaves.
+const FALL: f64 = 0.5 * std::f64::consts::LN_2;
+/// Greatest number of simultaneous mistakes. Numerical: a limit of effort.
+const MOST: usize = 3;
+/// Greatest number of hypotheses confirmed for each, and of those about the same columns: the specimen deviates from the preset, so that
+/// only the fit distinguishes similar factors. Numerical: a limit of effort; the best are tried first.
+const SHORT: (usize, usize) = (16, 6);
+/// First and last difference of the common logarithm of a factor. Numerical: the factor is known to 1 %.
+const POWERS: (f64, f64) = (0.25, 0.005);
+
+/// q of (1) and the best ratio of reading to prediction, by output; `None` without readings.
+type Agreement = Vec<Option<(f64, f64)>>;
+
+/// Corrected mistake with the changed data and their prediction.
+pub(super) struct Changed {
+    /// Change of the score.
+    pub score: f64,
+    pub mistake: Mistake,
+    pub data: Experiment,
+    pub shown: Predicted,
+}
+
+/// The combination of mistakes that gives the best agreement with the model, if no parameter values within the priors explain the
+/// unchanged data nearly as well.
+pub(super) fn search(
+    judge: &Judge,
+    experiment: &Experiment,
+    predicted: &Predicted,
+    files: &str,
+) -> Result<Option<Unusable>, CalibrateError> {
+    let mut at = experiment.clone();
+    let mut predicted = predicted.clone();
+    // Each mistake with the others that explain the data as well.
+    let mut found: Vec<Vec<Mistake>> = Vec::new();
+    let mut cost = fitted(judge, &at)?;
+    while found.len() < MOST && !cost.is_cut {
+        let mut best = likely(judge, &at, &predicted)?;
+        let known: Vec<usize> = found.iter().flat_map(|one| one[0].touches()).collect();
+        best.retain(|one| !one.mistake.touches().iter().any(|k| known.contains(k)));
+        let Some((as_meant, one, others)) = confirmed(judge, &at, &cost, best)? else { break };
+        found.push(std::iter::once(one.mistake).chain(others).collect());
+        (at, predicted, cost) = (one.data, one.shown, as_meant);
+    }
+    if found.is_empty() {
+        return Ok(None);
+    }
+    let (mut reasons, mut suggestions, mut channel) = (Vec::new(), Vec::new(), None);
+    for own in &found {
+        let (column, mut reason, suggestion) = own[0].words(experiment, files);
+        let others: Vec<&str> = own[1..].iter().filter_map(Mistake::change).collect();
+        if !others.is_empty() {
+            reason = format!("{reason} (equally {})", others.join(", "));
+        }
+        reasons.push(reason);
+        suggestions.push(suggestion);
+        channel.get_or_insert(column);
+    }
+    for (name, value, own) in other_values(judge, experiment, &cost)? {
+        reasons.push(format!("{name} = {value:.4} instead of {own:.4} would explain the data as well"));
+        suggestions.push(format!("check the value of {name} in [set] and [prior]"));
+    }
+    let channel = channel.unwrap_or_default();
+    Ok(Some(Unusable { channel, reason: reasons.join("; "), suggestion: suggestions.join("; ") }))
+}
+
+/// Parameters of [set] and [prior] whose other value explains the unchanged data as well as the corrected mistakes: name, that value and
+/// the present one. A greater difference than [`FACTOR`] is none between a motor and its preset.
+fn other_values(
+    judge: &Judge,
+    experiment: &Experiment,
+    as_meant: &Cost,
+) -> Result<Vec<(String, f64, f64)>, CalibrateError> {
+    let set = experiment.set.iter().map(|(name, _)| name);
+    let mut found: Vec<(String, f64, f64)> = Vec::new();
+    for name in set.chain(experiment.priors.iter().map(|p| &p.name)) {
+        if judge.deadline.is_near() {
+            break;
+        }
+        // A value in [set] may have a prior as well.
+        if !found.iter().any(|(known, ..)| known == name)
+            && let Some((cost, value, own)) = with_free(judge, experiment, name)?
+            && (1.0 / FACTOR..=FACTOR).contains(&(value / own))
+            && !cost.is_worse_than(as_meant, None)
+        {
+            found.push((name.clone(), value, own));
+        }
+    }
+    Ok(found)
+}
+
+/// The hypotheses that agree better with the model than the data as they are, or hardly differ from them.
+fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<Changed>, CalibrateError> {
+    let inputs = at.inputs.len();
+    // An output is compared with the preset, or with what the other outputs imply: a current that is the small difference of two voltages
+    // is predicted by no preset.
+    let implied = crossed(judge, at, predicted)?;
+    let agreement = |data: &Experiment, shown: &Predicted, is_simulated: bool| {
+        let own = judge.outputs(data, shown);
+        if is_simulated { own } else { nearer(own, judge.outputs(data, &implied)) }
+    };
+    let before = [agreement(at, predicted, false), agreement(at, predicted, true)];
+    let changed = |mistake: &Mistake| -> Option<Changed> {
+        let mut data = at.clone();
+        mistake.apply(&mut data, judge.runs);
+        if !is_possible(&data, mistake) {
+            return None;
+        }
+        let is_simulated = mistake.is_simulated(inputs);
+        let shown = if is_simulated { judge.predicted(&data) } else { predicted.clone() };
+        let after = score(&agreement(&data, &shown, is_simulated));
+        let score = after - score(&before[usize::from(is_simulated)]);
+        Some(Changed { score, mistake: mistake.clone(), data, shown })
+    };
+    let mut best: Vec<Changed> = Vec::new();
+    let is_better = |one: &Changed| {
+        let is_simulated = one.mistake.is_simulated(inputs);
+        let after = agreement(&one.data, &one.shown, is_simulated);
+        one.score < -FALL && agrees_more(&before[usize::from(is_simulated)], &after)
+    };
+    let candidates = mistakes(at);
+    // Outputs first, because they need no simulation; then inputs; an arbitrary factor if no usual mistake explains the data.
+    for mistake in candidates.iter().filter(|m| !m.is_simulated(inputs)) {
+        // Upper bound of the gain: full agreement of the affected outputs.
+        let own =
+            mistake.touches().into_iter().filter_map(|k| before[0].get(k.checked_sub(inputs)?).copied()?);
+        let own: Agreement = own.map(Some).collect();
+        if score(&own) >= FALL + own.len() as f64 * STRUCTURE.ln() {
+            best.extend(changed(mistake).filter(is_better));
+        }
+    }
+    let worst_now = worst(&before[1]);
+    for mistake in candidates.iter().filter(|m| m.is_simulated(inputs) && worst_now >= PART) {
+        best.extend(changed(mistake).filter(is_better));
+    }
+    for (k, output) in before[0].iter().enumerate() {
+        if let Some((_, ratio)) = output.filter(|(q, r)| *q > PART && r.is_finite() && *r != 0.0)
+            && !(1.0 / FACTOR..=FACTOR).contains(&ratio)
+            && !at.outputs[k].is_temperature()
+        {
+            let words = format!("readings divided by {ratio:.3}");
+            let columns = vec![inputs + k];
+            if best.iter().any(|one| one.mistake.touches() == columns) {
+                continue;
+            }
+            let mistake = Mistake::Affine { columns, factor: 1.0 / ratio, offset: 0.0, words };
+            best.extend(changed(&mistake).filter(is_better));
+        }
+    }
+    if best.is_empty() && worst_now > 2.0 * PART {
+        best.extend(any_factor(judge, at, &changed).into_iter().filter(is_better));
+    }
+    shortlist(&mut best);
+    // Exchanged thermometers, or a common wrong unit, hardly change the shapes.
+    let alike = candidates.iter().filter(|m| m.is_alike(at)).filter_map(changed);
+    best.extend(alike.filter(|one| one.score < FALL));
+    best.extend(unmeasured::of(judge, at, predicted, &before[1]));
+    Ok(best)
+}
+
+/// The hypothesis with the least cost that no parameter values within the priors replace, and others about the same columns that explain
+/// the data as well; of these, the first in the list of mistakes is the simplest.
+fn confirmed(
+    judge: &Judge,
+    at: &Experiment,
+    as_is: &Cost,
+    best: Vec<Changed>,
+) -> Result<Option<(Cost, Changed, Vec<Mistake>)>, CalibrateError> {
+    let inputs = at.inputs.len();
+    let mut all: Vec<(Cost, Changed)> = Vec::new();
+    for one in best {
+        let mut as_meant = fitted(judge, &one.data)?;
+        // An output that implies an input is not evidence: both costs are computed without it.
+        let without = match one.mistake {
+            Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(at, judge.runs, by))?),
+            _ => None,
+        };
+        if as_meant.is_cut {
+            return Ok(None);
+        }
+        if without.as_ref().unwrap_or(as_is).is_worse_than(&as_meant, None) {
+            if without.is_some() {
+                as_meant.prior += SAMPLES * judge.runs.len() as f64;
+            }
+            all.push((as_meant, one));
+        }
+    }
+    all.sort_by(|a, b| a.0.whole().total_cmp(&b.0.whole()));
+    while !all.is_empty() {
+        let most = all[0].0.whole() + LEAST;
+        let equal = all.iter().take_while(|(cost, _)| cost.whole() <= most).count();
+        let mut rest: Vec<(Cost, Changed)> = all.drain(..equal).collect();
+        rest.sort_by_key(|(_, one)| place(&one.mistake, at));
+        let (as_meant, one) = rest.remove(0);
+        let mut is_sensor = false;
+        // A failed sensor of one output contradicts the same rows; it leaves the other outputs in agreement.
+        if one.mistake.is_simulated(inputs) {
+            for k in (0..at.outputs.len()).filter(|k| !one.mistake.touches().contains(&(inputs + k))) {
+                let alone = fitted(judge, &blanked(at, judge.runs, inputs + k))?;
+                is_sensor |= as_meant.is_worse_than(&alone, Some(k));
+            }
+        }
+        if !is_sensor {
+            let same = one.mistake.touches();
+            let others = rest.into_iter().map(|(_, other)| other.mistake).filter(|m| m.touches() == same);
+            return Ok(Some((as_meant, one, others.collect())));
+        }
+    }
+    Ok(None)
+}
+
+/// Place of a mistake in the list of all.
+fn place(mistake: &Mistake, at: &Experiment) -> usize {
+    let all = mistakes(at);
+    let same = |other: &Mistake| {
+        other.touches() == mistake.touches() && other.words(at, "").1 == mistake.words(at, "").1
+    };
+    all.iter().position(same).unwrap_or(all.len())
+}
+
+/// The better agreement of two predictions, output by output.
+fn nearer(one: Agreement, other: Agreement) -> Agreement {
+    let pairs = one.into_iter().zip(other);
+    let of = |(a, b)| match (a, b) {
+        (Some(a), Some(b)) => Some(nearest(a, b)),
+        (a, b) => a.or(b),
+    };
+    pairs.map(of).collect()
+}
+
+fn nearest(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
+    if other.0 < one.0 { other } else { one }
+}
+
+/// Keeps the best few, best first; among equals the first that was tried.
+fn shortlist(best: &mut Vec<Changed>) {
+    best.sort_by(|a, b| a.score.total_cmp(&b.score));
+    let mut seen: Vec<Vec<usize>> = Vec::new();
+    best.retain(|one| {
+        seen.push(one.mistake.touches());
+        seen.iter().filter(|own| *own == &seen[seen.len() - 1]).count() <= SHORT.1
+    });
+    best.truncate(SHORT.0);
+}
+
+/// Whether the inputs that a mistake changes are within the limits of their variables, and temperatures within those of sensors.
+fn is_possible(changed: &Experiment, mistake: &Mistake) -> bool {
+    let declaration = declaration(changed);
+    mistake.touches().into_iter().filter(|k| *k < changed.inputs.len()).all(|k| {
+        let channel = changed.inputs[k];
+        let entry = channel.input.and_then(|name| declaration?.by_name(name));
+        let middle = median(changed.runs.iter().flat_map(|r| r.table.columns[k].iter().copied()));
+        entry.is_none_or(|e| (e.row.min..=e.row.max).contains(&middle))
+            && (!channel.is_temperature() || (POSSIBLE.0..=POSSIBLE.1).contains(&middle))
+    })
+}
+
+/// Whether one output agrees better and no output that agreed is now far off.
+fn agrees_more(before: &Agreement, after: &Agreement) -> bool {
+    let pairs = || before.iter().flatten().zip(after.iter().flatten()).map(|((a, _), (b, _))| (*a, *b));
+    pairs().any(|(a, b)| b < PART && b < 0.5 * a) && !pairs().any(|(a, b)| a < PART && b > PART)
+}
+
+/// Each input with the factor that gives the best agreement with the model.
+fn any_factor(
+    judge: &Judge,
+    experiment: &Experiment,
+    changed: &dyn Fn(&Mistake) -> Option<Changed>,
+) -> Vec<Changed> {
+    let mut found = Vec::new();
+    for (k, channel) in experiment.inputs.iter().enumerate() {
+        if matches!(channel.unit, Unit::Kelvin | Unit::Pascal | Unit::One) {
+            continue;
+        }
+        let mut best: Option<(f64, Changed)> = None;
+        let mut step = POWERS.0;
+        let mut powers: Vec<f64> =
+            (-12..=12).map(|k| f64::from(k) * step).filter(|p| p.abs() > FACTOR.log10()).collect();
+        while step > POWERS.1 && !judge.deadline.is_near() {
+            for power in std::mem::take(&mut powers) {
+                let factor = 10f64.powf(power);
+                let words = format!("readings times {factor:.3}");
+                let one = changed(&Mistake::Affine { columns: vec![k], factor, offset: 0.0, words });
+                let is_better =
+                    |one: &Changed| best.as_ref().is_none_or(|(_, least)| one.score < least.score);
+                if let Some(one) = one.filter(is_better) {
+                    best = Some((power, one));
+                }
+            }
+            step *= 0.5;
+            let Some((at, _)) = &best else { break };
+            powers = vec![at - step, at + step];
+            powers.retain(|p| p.abs() > FACTOR.log10());
+        }
+        found.extend(best.map(|(_, one)| one));
+    }
+    found
+}
