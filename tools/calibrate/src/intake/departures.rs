@@ -5,15 +5,17 @@
 //! y the readings, p the prediction of a fit that agrees with the data, s the time in which a thermometer in air follows. What a model
 //! lacks in the motor changes e together with p, or as slowly as a heat capacity, and in both thermometers; a thermometer that comes off
 //! changes e within s, in one channel, whatever p does. A departure is a change (1) that is greater than the error of a thermometer, than
-//! twice the change of p and than what is usual in the runs of this channel ([`super::signals`]). Of the sections between departures, those
+//! twice the change of p and than what is usual in the runs of this channel ([`super::signals`]), while every input keeps its level: a law
+//! of the sensor over speed or fan changes e too. A sensor comes off once; a law acts in every run. Of the sections between departures, those
 //! that deviate [`FACTOR`] times as far as the best one are wrong.
 //!
 //! *Source*: detection of abrupt changes in a residual: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
 
 use super::signals::{JUMP, LEAST_JUMP};
 use super::{median, sorted};
-use crate::experiment::Experiment;
-use crate::levels::FACTOR;
+use crate::experiment::{Experiment, Run};
+use crate::levels::{CERTAIN, FACTOR, PART};
+use crate::noise;
 
 /// s of (1), s. Limit: a sheathed thermocouple of 3 mm in still air has a time constant of 20 s, and follows to 95 % in three of them.
 const SETTLED: f64 = 60.0;
@@ -46,7 +48,7 @@ fn change(of: &[f64], (k, j): (usize, usize)) -> f64 {
 }
 
 /// What is usual of (1), for the deviations of an output by run and row.
-pub(super) fn usual(experiment: &Experiment, off: &[Vec<f64>]) -> f64 {
+fn usual(experiment: &Experiment, off: &[Vec<f64>]) -> f64 {
     let all = off.iter().zip(&experiment.runs).flat_map(|(off, run)| {
         let rows: Vec<usize> = (0..off.len()).filter(|k| off[*k].is_finite()).collect();
         let time: Vec<f64> = rows.iter().map(|k| run.table.time[*k]).collect();
@@ -57,8 +59,55 @@ pub(super) fn usual(experiment: &Experiment, off: &[Vec<f64>]) -> f64 {
     all.get((USUAL * all.len() as f64) as usize).copied().unwrap_or(0.0)
 }
 
+/// For each run the rows of an output on the wrong side of a departure, for its deviations by run and row; none if more than one run has
+/// departures.
+pub(super) fn of(experiment: &Experiment, output: usize, off: &[Vec<f64>]) -> Vec<Vec<usize>> {
+    let usual = usual(experiment, off);
+    let inputs: Vec<usize> =
+        (0..experiment.inputs.len()).filter(|k| !experiment.inputs[*k].is_temperature()).collect();
+    let range = |columns: &mut dyn Iterator<Item = f64>| {
+        let own = columns.filter(|x| x.is_finite());
+        let (low, high) = own.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        (high - low).max(0.0)
+    };
+    let spans: Vec<f64> = inputs
+        .iter()
+        .map(|k| range(&mut experiment.runs.iter().flat_map(|r| r.table.columns[*k].iter().copied())))
+        .collect();
+    // The rows, and whether the run has departures at all, also where inputs change.
+    let of_run = |(off, run): (&Vec<f64>, &Run)| -> (Vec<usize>, bool) {
+        let there: Vec<usize> = (0..off.len()).filter(|k| off[*k].is_finite()).collect();
+        let table = &run.table;
+        let pick = |of: &[f64]| -> Vec<f64> { there.iter().map(|k| of[*k]).collect() };
+        let (time, read) = (pick(&table.time), pick(&table.columns[experiment.inputs.len() + output]));
+        let model: Vec<f64> = read.iter().zip(pick(off)).map(|(y, e)| y - e).collect();
+        let sigma = noise::of_column(&time, &read).unwrap_or(0.0);
+        let is_steady = |k: usize, j: usize| {
+            inputs.iter().zip(&spans).all(|(input, span)| {
+                let own = &table.columns[*input][there[k]..=there[j]];
+                range(&mut own.iter().copied()) <= PART * span
+            })
+        };
+        let of = |steady: &dyn Fn(usize, usize) -> bool| {
+            rows(&time, &read, &model, (usual, 2.0 * CERTAIN * sigma), steady)
+        };
+        let bad = of(&is_steady);
+        let own = there.iter().zip(bad).filter(|(_, bad)| *bad).map(|(k, _)| *k).collect();
+        (own, of(&|_, _| true).contains(&true))
+    };
+    let all: Vec<(Vec<usize>, bool)> = off.iter().zip(&experiment.runs).map(of_run).collect();
+    let is_one = all.iter().filter(|(_, departs)| *departs).count() == 1;
+    all.into_iter().map(|(rows, _)| if is_one { rows } else { Vec::new() }).collect()
+}
+
 /// Whether each reading of a run is on the wrong side of a departure; `least` is the least change that is no noise.
-pub(super) fn rows(time: &[f64], read: &[f64], model: &[f64], usual: f64, least: f64) -> Vec<bool> {
+fn rows(
+    time: &[f64],
+    read: &[f64],
+    model: &[f64],
+    (usual, least): (f64, f64),
+    is_steady: &dyn Fn(usize, usize) -> bool,
+) -> Vec<bool> {
     let off: Vec<f64> = read.iter().zip(model).map(|(y, p)| y - p).collect();
     let least = least.max(LEAST_JUMP).max(JUMP * usual);
     let mut bad = vec![false; time.len()];
@@ -66,8 +115,10 @@ pub(super) fn rows(time: &[f64], read: &[f64], model: &[f64], usual: f64, least:
         let size = change(&off, *pair).abs();
         size > least && size > 2.0 * change(model, *pair).abs()
     };
-    for (k, j) in later(time).filter(departs) {
-        bad[k..=j].fill(true);
+    // A change of an input near a departure hides it in some of the pairs only.
+    let found: Vec<(usize, usize)> = later(time).filter(departs).collect();
+    for own in found.chunk_by(|a, b| b.0 <= a.1).filter(|own| own.iter().any(|(k, j)| is_steady(*k, *j))) {
+        own.iter().for_each(|(k, j)| bad[*k..=*j].fill(true));
     }
     let parts: Vec<(usize, usize)> = {
         let ends: Vec<usize> = (0..time.len()).filter(|k| !bad[*k] && (*k == 0 || bad[k - 1])).collect();
@@ -107,7 +158,7 @@ mod tests {
         let (time, model) = model();
         let of = |change: &dyn Fn(f64, f64) -> f64| -> Vec<usize> {
             let read: Vec<f64> = time.iter().zip(&model).map(|(t, p)| change(*t, *p)).collect();
-            let bad = rows(&time, &read, &model, 0.02, 0.1);
+            let bad = rows(&time, &read, &model, (0.02, 0.1), &|_, _| true);
             (0..400).filter(|k| bad[*k]).collect()
         };
         assert!(of(&|_, p| p + 1.5).is_empty());

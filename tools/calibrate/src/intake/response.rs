@@ -124,7 +124,7 @@ pub fn set_aside(
         let is_sure = is_sure[output] && channel.is_temperature();
         let own = |run: usize| off(output, output, run);
         let own: Vec<Vec<f64>> = (0..experiment.runs.len()).map(own).collect();
-        let usual = if is_sure { departures::usual(experiment, &own) } else { 0.0 };
+        let gone = if is_sure { departures::of(experiment, output, &own) } else { Vec::new() };
         for (run, own) in pairs.into_iter().enumerate() {
             if own.rows.len() < ENOUGH {
                 continue;
@@ -155,7 +155,7 @@ pub fn set_aside(
             }
             failed = failed.filter(|(bad, _)| bad.contains(&true));
             if failed.is_none() && is_sure && is_fitted {
-                let gone = departures::rows(&time, &of_fit.read, &of_fit.model, usual, CLEAR * sigma);
+                let gone: Vec<bool> = own.rows.iter().map(|row| gone[run].contains(row)).collect();
                 failed = Some((gone, departures::WHY)).filter(|(gone, _)| gone.contains(&true));
             }
             let Some((bad, why)) = failed else { continue };

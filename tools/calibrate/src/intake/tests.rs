@@ -351,6 +351,17 @@ fn a_thermometer_that_comes_off_is_set_aside() {
         }
     }
     assert_eq!(unusable(&mut heated), None);
-    let there = |k: usize| heated.runs[0].table.columns[k].iter().filter(|x| x.is_finite()).count();
-    assert!(there(WINDING) == 1200 && there(HOUSING) == 1200, "{:?}", heated.notes);
+    let there =
+        |of: &Experiment, k: usize| of.runs[0].table.columns[k].iter().filter(|x| x.is_finite()).count();
+    assert!(there(&heated, WINDING) == 1200 && there(&heated, HOUSING) == 1200, "{:?}", heated.notes);
+    // A sensor in the air flow of the rotor reads another temperature at each speed.
+    let mut blown = with_inputs(20, |columns| columns[CURRENT].iter_mut().for_each(|i| *i *= 0.45));
+    let speed = column(&mut blown, SPEED).clone();
+    let mut at = 0.0;
+    for (x, speed) in column(&mut blown, HOUSING).iter_mut().zip(speed) {
+        at += (5.0 * (speed - 100.0) / 300.0 - at) * 0.2;
+        *x -= at;
+    }
+    assert_eq!(unusable(&mut blown), None);
+    assert_eq!(there(&blown, HOUSING), 1200, "{:?}", blown.notes);
 }
