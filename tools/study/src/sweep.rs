@@ -16,8 +16,8 @@ pub use vary::{Choice, PRESET, Vary};
 
 /// Points that a sweep may have.
 const MAX_POINTS: usize = 1_000_000;
-/// Most points that follow each other in one thread, where each search begins at the steady state of the point before, and number of
-/// such rows in a smaller sweep.
+/// Most points that follow each other in one thread, where each search begins with what the last two have found, and number of such
+/// rows in a smaller sweep.
 const ROW: usize = 10;
 const ROWS: usize = 16;
 

@@ -1,6 +1,6 @@
 //! Periodic steady state of a gait, the winding on the way there, and the objectives of sweeps.
 
-use super::cycle::{Done, envelope, steady};
+use super::cycle::{Done, Near, envelope, steady};
 use super::envelope::Envelope;
 use super::load::Load;
 use super::periodic::Periodic;
@@ -67,14 +67,26 @@ const OBJECTIVES: [Objective; 7] = {
 pub struct Known {
     /// The periodic steady state of the load.
     steady: Option<Periodic>,
-    /// Temperatures of the motor in the last steady state, K.
-    near: Option<Vec<f64>>,
+    /// What the search for the last steady state has found, and that before it.
+    near: [Option<Near>; 2],
 }
 
 impl Known {
     /// For the next load.
     pub fn next_load(&mut self) {
         self.steady = None;
+    }
+
+    /// What a search for the next load begins with: temperatures on the line through the last two, as at equal distances on a grid.
+    fn ahead(&self) -> Option<Near> {
+        let [last, before] = &self.near;
+        let mut ahead = last.clone()?;
+        if let Some(before) = before {
+            for (next, before) in ahead.temperatures.iter_mut().zip(&before.temperatures) {
+                *next += *next - before;
+            }
+        }
+        Some(ahead)
     }
 }
 
@@ -104,9 +116,10 @@ impl Objective {
         let at = match known.steady {
             Some(at) => at,
             None => {
-                let (walker, at) = steady(&load.walker()?, known.near.as_deref())?;
-                known.near = Some(walker.temperatures());
-                *known.steady.insert(at)
+                let (stride, near) = steady(&load.walker()?, known.ahead().as_ref())?;
+                known.near.swap(0, 1);
+                known.near[0] = Some(near);
+                *known.steady.insert(stride)
             }
         };
         Ok(of(&at))
@@ -140,7 +153,7 @@ pub fn walk(load: &Load, hours: f64, done: Done<'_>) -> Result<Walked, StudyErro
     let walker = load.walker()?;
     let limit = load.get("thermal.T_w_max")?;
     let forever = match steady(&walker, None) {
-        Ok((_, stride)) => Some(stride),
+        Ok((stride, _)) => Some(stride),
         Err(StudyError::Unsettled(_)) => None,
         Err(other) => return Err(other),
     };
@@ -167,7 +180,7 @@ pub fn check_hours(hours: f64) -> Result<(), StudyError> {
 /// # Errors
 /// Thermal runaway, or a load that does not start.
 pub fn periodic(load: &Load) -> Result<Periodic, StudyError> {
-    Ok(steady(&load.walker()?, None)?.1)
+    Ok(steady(&load.walker()?, None)?.0)
 }
 
 #[cfg(test)]
@@ -209,8 +222,9 @@ mod tests {
             let found = periodic(&load).unwrap();
             let seconds = begun.elapsed().as_secs_f64();
             // From below, but not from ambient: the way there has been followed by the other tests.
-            let (mut walker, _) = steady(&load.walker().unwrap(), None).unwrap();
-            let below: Vec<f64> = walker.temperatures().iter().map(|t| t - 1.0).collect();
+            let mut walker = load.walker().unwrap();
+            let (_, near) = steady(&walker, None).unwrap();
+            let below: Vec<f64> = near.temperatures.iter().map(|t| t - 1.0).collect();
             walker.put_temperatures(&below);
             let mut twenty_strides =
                 || (0..20).map(|_| walker.stride().unwrap().winding_temperature).last().unwrap();
@@ -262,24 +276,21 @@ mod tests {
     /// nowhere is repeated from the start.
     #[test]
     fn a_steady_state_nearby_shortens_the_search() {
-        let find = |load: &Load, near: Option<&[f64]>| steady(&load.walker().unwrap(), near).unwrap();
-        let (walker, _) = find(&load(WALK, &[("fan_command", "0.5")]), None);
+        let find = |load: &Load, near: Option<&Near>| steady(&load.walker().unwrap(), near).unwrap();
+        let (_, near) = find(&load(WALK, &[("fan_command", "0.5")]), None);
         let other = load(WALK, &[("fan_command", "0.6")]);
-        let (_, alone) = find(&other, None);
-        let near = walker.temperatures();
-        let hot = vec![900.0; near.len()];
-        for near in [near, hot, vec![350.0]] {
-            let (_, found) = find(&other, Some(&near));
+        let (alone, _) = find(&other, None);
+        let [mut hot, mut of_another] = [near.clone(), near.clone()];
+        hot.temperatures.fill(900.0);
+        of_another.temperatures.truncate(1);
+        for (near, is_near) in [(near, true), (hot, false), (of_another, false)] {
+            let (found, _) = find(&other, Some(&near));
             println!("{near:?}: {} instead of {} strides", found.strides_walked, alone.strides_walked);
             assert!(
                 (found.winding_temperature - alone.winding_temperature).abs() < 5e-3,
                 "{found:?} {alone:?}"
             );
-            assert_eq!(
-                found.strides_walked < alone.strides_walked,
-                near[0] < 400.0 && near.len() > 1,
-                "{near:?}"
-            );
+            assert_eq!(found.strides_walked < alone.strides_walked, is_near, "{near:?}");
         }
     }
 

@@ -3,6 +3,7 @@
 //! Phi(y) are the temperatures after a stride that began at y.
 //! slope        Phi' = S = exp(A T), A the slopes of the heat flows, T the stride; then Broyden's updates      (1)
 //! steady       y <- y + (1 - S)^-1 (Phi(y) - y), in steps of 30 K and, where the slope predicts well, more, until they are small (2)
+//!              Where the slowest mode grows, (2) leads to a steady state to which no motor comes: y follows Phi(y) - y instead.
 //! envelope     y after m strides = y + (S^m - 1) (S - 1)^-1 (Phi(y) - y), with m as the error of a jump of m
 //!              against two of m / 2 allows                                                                 (3)
 //!
@@ -15,7 +16,7 @@ use super::envelope::{Envelope, EnvelopePoint};
 use super::periodic::Periodic;
 use super::walker::{SETTLING, Walker};
 use crate::StudyError;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// How near the steady state must be, K.
 const STEADY: f64 = 2e-3;
@@ -27,6 +28,8 @@ const LONGEST: f64 = 30.0;
 const PREDICTED: f64 = 0.1;
 /// Disturbance of a steady state, along the slowest mode, for the stability test, K.
 const NUDGE: f64 = 1.0;
+/// A steady state near one that was stable is disturbed only where the slope of the slowest mode is less than this fraction of the slope there.
+const STILL: f64 = 0.5;
 /// Temperature that counts as thermal runaway, K.
 const RUNAWAY: f64 = 1000.0;
 /// Doublings of the map until only the slowest mode is left: strides of seconds against time constants of hours.
@@ -55,31 +58,49 @@ fn change_with_slopes(walker: &mut Walker) -> Result<(Change, DMatrix<f64>), Stu
     Ok((Change { gain: DVector::from_vec(walker.temperatures()) - before, stride }, s))
 }
 
-/// The walker in its periodic steady state, and the stride there with the number of strides that were simulated to find it. `near` are
-/// temperatures near those of the steady state, K, if some are known; the result does not depend on them beyond its tolerance.
+/// What a search begins with.
+#[derive(Clone, Debug)]
+pub struct Near {
+    /// Temperatures, K.
+    pub temperatures: Vec<f64>,
+    /// Slopes of what a stride gains.
+    slopes: DMatrix<f64>,
+    /// Slope of the slowest mode in the last steady state that was disturbed to find it.
+    disturbed: f64,
+}
+
+/// The stride in the periodic steady state, with the number of strides that were simulated to find it, and what a search for a steady
+/// state nearby begins with. The result does not depend on `near` beyond its tolerance.
 ///
 /// # Errors
 /// No steady state: thermal runaway of the winding.
-pub fn steady(walker: &Walker, near: Option<&[f64]>) -> Result<(Walker, Periodic), StudyError> {
-    let fits = near.filter(|near| near.len() == walker.temperatures().len());
+pub fn steady(walker: &Walker, near: Option<&Near>) -> Result<(Periodic, Near), StudyError> {
+    let fits = near.filter(|near| near.temperatures.len() == walker.temperatures().len());
     let from_near = fits.and_then(|near| {
         let mut walker = walker.clone();
-        walker.put_temperatures(near);
-        search(walker).ok()
+        walker.put_temperatures(&near.temperatures);
+        search(walker, Some(near)).ok()
     });
-    from_near.map_or_else(|| search(walker.clone()), Ok)
+    from_near.map_or_else(|| search(walker.clone(), None), Ok)
 }
 
-/// The search from the temperatures of the walker.
-fn search(mut walker: Walker) -> Result<(Walker, Periodic), StudyError> {
+/// The search from the temperatures of the walker, those of `near` if there are some.
+fn search(mut walker: Walker, near: Option<&Near>) -> Result<(Periodic, Near), StudyError> {
     // The last stride until current and motion repeat is near enough to one that repeats for a first estimate.
     let settling = walker.settling().max(1);
     for _ in 1..settling {
         walker.stride()?;
     }
     let mut y = DVector::from_vec(walker.temperatures());
-    let (Change { gain: mut f, .. }, s) = change_with_slopes(&mut walker)?;
-    let mut minus = &s - DMatrix::identity(y.len(), y.len());
+    let one = DMatrix::identity(y.len(), y.len());
+    let (mut f, mut minus) = match near {
+        Some(near) => (change(&mut walker)?.gain, near.slopes.clone()),
+        None => {
+            let (Change { gain, .. }, s) = change_with_slopes(&mut walker)?;
+            (gain, s - &one)
+        }
+    };
+    let slowest = Slowest::of(&minus + one);
     let (mut walked, mut longest) = (settling, LONGEST);
     let runaway = || {
         StudyError::Unsettled(
@@ -90,7 +111,16 @@ fn search(mut walker: Walker) -> Result<(Walker, Periodic), StudyError> {
     };
     while walked < MOST_STRIDES {
         let mut step = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
-        step *= (longest / step.amax()).min(1.0);
+        if step.amax() > longest {
+            let gain = slowest.part_of(&f);
+            if slowest.part_of(&step) * gain < 0.0 {
+                // The losses grow faster than the heat flow: no steady state here to which anything leads. The temperatures go on.
+                step = &slowest.way * longest.copysign(gain);
+                longest *= 2.0;
+            } else {
+                step *= longest / step.amax();
+            }
+        }
         let next = &y + &step;
         if next.iter().any(|t| !(0.0..RUNAWAY).contains(t)) {
             return Err(runaway());
@@ -109,30 +139,66 @@ fn search(mut walker: Walker) -> Result<(Walker, Periodic), StudyError> {
         // What the next step would be is how far the steady state is.
         let left = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
         if left.amax() < STEADY {
-            return if comes_back(&walker, &f, s)? {
-                Ok((walker, Periodic { strides_walked: walked + 1, ..stride }))
-            } else {
-                Err(runaway())
+            let slope = slowest.part_of(&(&minus * &slowest.way));
+            let disturbed = match near {
+                Some(near) if slope < STILL * near.disturbed => near.disturbed,
+                _ => {
+                    walked += 1;
+                    let seen = (change_above(&walker, &slowest.way)? - &f) / NUDGE;
+                    minus += (&seen - &minus * &slowest.way) / slowest.way.norm_squared()
+                        * slowest.way.transpose();
+                    slowest.part_of(&seen)
+                }
             };
+            if disturbed >= 0.0 {
+                return Err(runaway());
+            }
+            // The winding is the first node.
+            let stride = Periodic {
+                winding_temperature: stride.winding_temperature + left[0],
+                winding_temperature_mean: stride.winding_temperature_mean + left[0],
+                strides_walked: walked,
+                ..stride
+            };
+            return Ok((stride, Near { temperatures: walker.temperatures(), slopes: minus, disturbed }));
         }
     }
     Err(runaway())
 }
 
-/// Whether a walker in its steady state, in which a stride gains `f`, comes back to it from a little above; `s` are about the slopes of
-/// the map. Where the winding's heat grows faster with its temperature than what it drives out, there is a second steady state, to
-/// which nothing leads.
-fn comes_back(walker: &Walker, f: &DVector<f64>, s: DMatrix<f64>) -> Result<bool, StudyError> {
-    // S^(2^k) is, but for its size, what dies out last times what of a change belongs to that.
-    let far = (0..DOUBLINGS).fold(s, |s, _| {
-        let twice = &s * &s;
-        &twice / twice.amax()
-    });
-    let (way, part) = (far.column(0) / far.column(0).amax(), far.row(0));
+/// The mode of a map that dies out last.
+struct Slowest {
+    /// Its direction, with the largest component 1.
+    way: DVector<f64>,
+    /// The row whose product with a change is the fraction of `way` in it.
+    part: RowDVector<f64>,
+}
+
+impl Slowest {
+    /// Of a map with these slopes.
+    fn of(s: DMatrix<f64>) -> Slowest {
+        // S^(2^k) is, but for its size, what dies out last times what of a change belongs to that.
+        let far = (0..DOUBLINGS).fold(s, |s, _| {
+            let twice = &s * &s;
+            &twice / twice.amax()
+        });
+        let (way, part) = (far.column(0) / far.column(0).amax(), far.row(0));
+        Slowest { part: part / (part * &way)[0], way }
+    }
+
+    /// The fraction of the mode in a change.
+    fn part_of(&self, change: &DVector<f64>) -> f64 {
+        (&self.part * change)[0]
+    }
+}
+
+/// What a stride gains a little above a steady state. Where the winding's heat grows faster with its temperature than what it drives out,
+/// there is a second steady state, to which nothing leads: the walker does not come back to it.
+fn change_above(walker: &Walker, way: &DVector<f64>) -> Result<DVector<f64>, StudyError> {
     let mut walker = walker.clone();
     let moved = DVector::from_vec(walker.temperatures()) + way * NUDGE;
     walker.put_temperatures(moved.as_slice());
-    Ok((part * (change(&mut walker)?.gain - f))[0] < 0.0)
+    Ok(change(&mut walker)?.gain)
 }
 
 /// Follows the winding for `duration`, s, or until it reaches `limit`, K: eq. (3).
@@ -283,7 +349,7 @@ mod tests {
             .map(|k| {
                 steady(&bare(0.40 + 0.02 * f64::from(k)), None)
                     .ok()
-                    .map(|(_, stride)| stride.winding_temperature)
+                    .map(|(stride, _)| stride.winding_temperature)
             })
             .collect();
         println!("{found:?}");
@@ -296,13 +362,17 @@ mod tests {
     /// A little above the steady state the winding comes back to it; far above it warms on and on.
     #[test]
     fn beyond_the_second_steady_state_nothing_comes_back() {
-        let (walker, ..) = steady(&bare(0.5), None).unwrap();
+        let mut walker = bare(0.5);
+        let (_, near) = steady(&walker, None).unwrap();
+        walker.put_temperatures(&near.temperatures);
+        walker.stride().unwrap();
         let back = |warmer: f64| {
             let mut walker = walker.clone();
             let hot: Vec<f64> = walker.temperatures().iter().map(|t| t + warmer).collect();
             walker.put_temperatures(&hot);
             let (Change { gain, .. }, s) = change_with_slopes(&mut walker.clone()).unwrap();
-            comes_back(&walker, &gain, s).unwrap()
+            let slowest = Slowest::of(s);
+            slowest.part_of(&(change_above(&walker, &slowest.way).unwrap() - gain)) < 0.0
         };
         assert!(back(0.0) && !back(200.0));
     }

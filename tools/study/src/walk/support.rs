@@ -8,7 +8,7 @@
 //! 0 ... too little ... serves ... greatest support ... too much
 //! ```
 
-use super::cycle::{Done, steady};
+use super::cycle::{Done, Near, steady};
 use super::load::Load;
 use super::periodic::Periodic;
 use crate::StudyError;
@@ -131,8 +131,8 @@ struct Bracket {
 struct Search<'a> {
     load: &'a Load,
     limit: f64,
-    /// The temperatures of the last steady state are near those of the next.
-    warm: Option<Vec<f64>>,
+    /// The last steady state is near the next.
+    warm: Option<Near>,
     /// The greatest support that serves.
     found: Option<(f64, Periodic)>,
     left: f64,
@@ -145,9 +145,9 @@ impl Search<'_> {
         self.left *= LEFT;
         let mut load = self.load.clone();
         load.set_support(support)?;
-        match steady(&load.walker()?, self.warm.as_deref()) {
-            Ok((walker, at)) => {
-                self.warm = Some(walker.temperatures());
+        match steady(&load.walker()?, self.warm.as_ref()) {
+            Ok((at, near)) => {
+                self.warm = Some(near);
                 let trial = Trial::Steady(at);
                 // The search ends 1e-5 of support, a hundredth of a kelvin, from the limits.
                 if trial.excess(self.limit) <= 0.0 && self.found.is_none_or(|(best, _)| support > best) {
