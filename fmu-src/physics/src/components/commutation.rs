@@ -141,7 +141,8 @@ impl Phases {
             Matrix2::new(b * (2.0 * s0 + s2) - g, -b * (s1 - s2), -b * (s0 - s2), b * (2.0 * s1 + s2) - g)
                 / load.capacity;
         let forcing = Vector2::new(3.0 * s0 - 1.0, 3.0 * s1 - 1.0) * (load.heat / load.capacity);
-        let end = Phi::new(matrix, h).constant(&Vector2::new(self.above[0], self.above[1]), &forcing);
+        let above = Vector2::new(self.above[0], self.above[1]);
+        let end = Phi::new(matrix, h).constant(&above, &(matrix * above + forcing));
         Phases { above: [end[0], end[1], -end[0] - end[1]] }
     }
 

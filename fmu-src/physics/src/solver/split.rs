@@ -163,7 +163,7 @@ impl<const N: usize> Default for Split<N> {
     /// No frozen blocks: the first step computes both.
     fn default() -> Self {
         let (fast, thermal) = (Phi::new(Matrix2::zeros(), 0.0), Phi::new(SMatrix::zeros(), 0.0));
-        let squares = Squares::of(&fast);
+        let squares = Squares::of(fast.matrix());
         Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial: f64::INFINITY }
     }
 }
@@ -199,7 +199,7 @@ impl<const N: usize> Split<N> {
         }
         let (fast, thermal) = (block(next)?, block(next)?);
         let trial = next().filter(|step| *step > 0.0)?;
-        let squares = Squares::of(&fast);
+        let squares = Squares::of(fast.matrix());
         Some(Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial })
     }
 
@@ -262,7 +262,7 @@ impl<const N: usize> Split<N> {
         }
         if let Some((a, fast, m, thermal)) = backup {
             (self.fast, self.thermal) = (Phi::new(a, fast), Phi::new(m, thermal));
-            self.squares = Squares::of(&self.fast);
+            self.squares = Squares::of(self.fast.matrix());
         }
         Err(StepFailure { t: done, h: try_h })
     }
@@ -306,7 +306,7 @@ impl<const N: usize> Split<N> {
         }
         if !fast {
             self.fast = Phi::new(a, h);
-            self.squares = Squares::of(&self.fast);
+            self.squares = Squares::of(&a);
         }
         if !thermal {
             self.thermal = Phi::new(m, h);
@@ -357,11 +357,10 @@ impl<const N: usize> Split<N> {
         let (middle, until) = (t + 0.5 * h, t + h);
         let start = system.instant(t, &x0, &temp0);
         let slope0 = system.fast_rates_at(t, &x0, &temp0, &start);
-        let n0 = slope0 - product(a, &x0);
         let (network0, _) = system.network(t, &temp0);
         let heat0 = system.heat_rates_at(t, &x0, &temp0, &start);
         let rate0 = network0 + heat0.component_mul(per_joule);
-        let xa = fast.half(&x0, &n0);
+        let xa = fast.half(&x0, &slope0);
         let mut tempm = temp0 + rate0 * (0.5 * h);
         let mut stage = system.instant(middle, &xa, &tempm);
         // Initial guess: temperatures at the end from the heat of the first stage, by which most of a fast transient has decayed.
@@ -371,15 +370,18 @@ impl<const N: usize> Split<N> {
             [tempm, temp1] = guess;
             stage = system.instant(middle, &xa, &tempm);
         }
-        let na = system.fast_rates_at(middle, &xa, &tempm, &stage) - product(a, &xa);
-        let xb = fast.constant(&x0, &(na * 2.0 - n0));
-        let nb = system.fast_rates(until, &xb, &temp1) - product(a, &xb);
-        let forcing = Forcing::through(n0, na, nb);
-        let x1 = fast.end(&x0, &slope0, &forcing);
-        let xm = fast.middle(&x0, &forcing);
+        // What N adds to N_0 at the stages.
+        let na = system.fast_rates_at(middle, &xa, &tempm, &stage) - slope0 - product(a, &(xa - x0));
+        let xb = fast.constant(&x0, &(slope0 + na * 2.0));
+        let slopeb = system.fast_rates(until, &xb, &temp1);
+        let nb = slopeb - slope0 - product(a, &(xb - x0));
+        let forcing = Forcing::through(na, nb);
+        let (x1, xm) = (fast.end(&x0, &slope0, &forcing), fast.middle(&x0, &slope0, &forcing));
         let x = [x0, xm, x1];
-        let (integral, moment) = (fast.integral(&x0, &forcing), fast.moment(&x0, &forcing));
-        let (square, error_of_square) = self.squares.integral(h, &x, &forcing, [&integral, &moment]);
+        let (integral, moment) = (fast.integral(&x0, &slope0, &forcing), fast.moment(&x0, &slope0, &forcing));
+        let (second, n0) = (fast.second(&x0, &slope0, &forcing), slope0 - product(a, &x0));
+        let (square, error_of_square) =
+            self.squares.integral(h, &x, [&integral, &moment, &second], (&n0, &forcing));
         let segment = Segment {
             t,
             h,
@@ -404,8 +406,8 @@ impl<const N: usize> Split<N> {
         let (warming0, outflow0) = beyond(t, &temp0, heat0);
         let (warmingm, outflowm) = beyond(middle, &tempm, heatm);
         let (warming1, outflow1) = beyond(until, &temp1, heat1);
-        let warming = Forcing::through(warming0, warmingm, warming1);
-        let (half, end) = (thermal.middle(&temp0, &warming), thermal.end(&temp0, &rate0, &warming));
+        let warming = Forcing::through(warmingm - warming0, warming1 - warming0);
+        let (half, end) = (thermal.middle(&temp0, &rate0, &warming), thermal.end(&temp0, &rate0, &warming));
         let coupling_error = largest(&(end - temp1)).max(largest(&(half - tempm)));
         let settled = SENSITIVITY * coupling_error <= 0.3 * stage_tolerance;
         if continues && !settled {
@@ -416,7 +418,8 @@ impl<const N: usize> Split<N> {
         let line_error = largest(&fast.curvature_error(&forcing).component_div(&size));
         // In a stiff block the end state depends only on the remainder at the end, which is equal for parabola and line;
         // the error estimate is the difference of the remainders at the end and at the last stage.
-        let stage_error = system.fast_rates_at(until, &x1, &temp1, &instants[2]) - product(a, &x1) - nb;
+        let stage_error =
+            system.fast_rates_at(until, &x1, &temp1, &instants[2]) - slopeb - product(a, &(x1 - xb));
         let stage_error = fast.last_stage_error(&stage_error);
         let stage_error = largest(&stage_error.component_div(&size));
         // The integral of the heat is exact; its shape within the step only matters as far as the node relaxes over the step.
@@ -430,7 +433,7 @@ impl<const N: usize> Split<N> {
             + (stage_error + SENSITIVITY * coupling_error) / stage_tolerance
             + of_heat / tolerance;
         // Heat to ambient: the linear part of the frozen network from the exact integral, the rest by Simpson's rule.
-        let over_time = thermal.integral(&temp0, &warming);
+        let over_time = thermal.integral(&temp0, &rate0, &warming);
         let outflow = share.dot(&over_time) + h / 6.0 * (outflow0 + 4.0 * outflowm + outflow1);
         let gained = [work.electrical, work.mechanical, outflow + work.ambient];
         let mut energy = state.energy;

@@ -15,7 +15,7 @@
 //! *Source*: (2), (3): differentiate V; (4): the solution of the Lyapunov equation for two rows, by insertion.
 
 use super::Fast;
-use crate::solver::phi::{Forcing, Phi, product};
+use crate::solver::phi::Forcing;
 use nalgebra::Matrix2;
 
 /// Trace and determinant are treated as zero below this fraction of their terms: (4) loses as many digits.
@@ -28,43 +28,41 @@ pub(super) struct Squares(Option<Form>);
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Form {
     s: Matrix2<f64>,
-    /// The matrices of the integral of s^2 x for x0, n_0, n_1, n_2: phi_j - 2 phi_{j+1} + 2 phi_{j+2}, j = 1 ... 4, in the place
-    /// of phi_j.
-    second: [Matrix2<f64>; 4],
     /// 2 S_11 a_12 where the speed is imposed, else 0.
     coupled: f64,
 }
 
 impl Squares {
-    /// For the block with these phi functions.
-    pub fn of(fast: &Phi<2>) -> Squares {
-        let (a, phi, h) = (fast.matrix(), fast.functions(), fast.step());
-        let of = |j: usize| phi[j] - phi[j + 1] * 2.0 + phi[j + 2] * 2.0;
-        Squares(lyapunov(a).map(|s| Form {
-            s,
-            second: [of(1) * h, of(2) * (h * h), of(3) * (h * h), of(4) * (2.0 * h * h)],
-            coupled: if is_imposed(a) { 2.0 * s[(0, 0)] * a[(0, 1)] } else { 0.0 },
+    /// For a block with this matrix.
+    pub fn of(a: &Matrix2<f64>) -> Squares {
+        Squares(lyapunov(a).map(|s| {
+            let coupled = if is_imposed(a) { 2.0 * s[(0, 0)] * a[(0, 1)] } else { 0.0 };
+            Form { s, coupled }
         }))
     }
 
-    /// int i^2 dt over a step with these currents and speeds at its start, middle and end, with the integrals of x and of t x. Also the
-    /// error of the trapezoidal rule if Simpson's rule replaces eq. (3), else 0.
+    /// int i^2 dt over a step with these currents and speeds at its start, middle and end, with the integrals of x, t x and s^2 x, with
+    /// n_0 and the rest of the forcing. Also the error of the trapezoidal rule if Simpson's rule replaces eq. (3), else 0.
     #[inline(always)]
-    pub fn integral(&self, h: f64, x: &[Fast; 3], n: &Forcing<2>, [first, moment]: [&Fast; 2]) -> (f64, f64) {
-        let Some(Form { s, second, coupled }) = &self.0 else {
+    pub fn integral(
+        &self,
+        h: f64,
+        x: &[Fast; 3],
+        [first, moment, second]: [&Fast; 3],
+        (n0, n): (&Fast, &Forcing<2>),
+    ) -> (f64, f64) {
+        let Some(Form { s, coupled }) = &self.0 else {
             let [start, middle, end] = x.map(|x| x[0] * x[0]);
             let simpson = h / 6.0 * (start + 4.0 * middle + end);
             return (simpson, (simpson - 0.5 * h * (start + end)).abs());
         };
-        // int s^k x dt.
-        let seconds = product(&second[0], &x[0]) + n.weighted(&second[1..]);
         let moment = moment / h;
         let of = |a: &Fast, b: &Fast| {
             s[(0, 0)] * a[0] * b[0] + s[(0, 1)] * (a[0] * b[1] + a[1] * b[0]) + s[(1, 1)] * a[1] * b[1]
         };
-        let forcing = of(&n.n0, first) + of(&n.n1, &moment) + of(&n.n2, &seconds);
+        let forcing = of(n0, first) + of(&n.n1, &moment) + of(&n.n2, second);
         // a_12 w with the speed linear over the step.
-        let speed = coupled * (x[0][1] * first[0] + h * n.n0[1] * moment[0]);
+        let speed = coupled * (x[0][1] * first[0] + h * n0[1] * moment[0]);
         // V(0) - V(h) from the differences, without rounding error at equilibrium.
         (of(&(x[0] - x[2]), &(x[0] + x[2])) + 2.0 * forcing + speed, 0.0)
     }
@@ -92,6 +90,7 @@ fn lyapunov(a: &Matrix2<f64>) -> Option<Matrix2<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solver::phi::Phi;
     use nalgebra::{matrix, vector};
 
     /// By Gauss's rule with three points on intervals that grow from the fastest time constant on, limited by the period of an oscillation.
@@ -100,8 +99,8 @@ mod tests {
         let at = |t: f64| {
             // The same forcing over the shorter step.
             let s = t / h;
-            let part = Forcing::through(forcing(0.0), forcing(0.5 * s), forcing(s));
-            Phi::new(*a, t).end(x0, &(a * x0 + forcing(0.0)), &part)[0].powi(2)
+            let part = Forcing::through(forcing(0.5 * s) - n[0], forcing(s) - n[0]);
+            Phi::new(*a, t).end(x0, &(a * x0 + n[0]), &part)[0].powi(2)
         };
         let (half_trace, determinant) = (0.5 * a.trace(), a.determinant());
         let swing = (determinant - half_trace * half_trace).max(0.0).sqrt();
@@ -121,10 +120,12 @@ mod tests {
 
     fn by_form(a: &Matrix2<f64>, h: f64, x0: &Fast, n: [Fast; 3]) -> (f64, f64) {
         let phi = Phi::new(*a, h);
-        let forcing = Forcing::through(n[0], n[0] + n[1] * 0.5 + n[2] * 0.25, n[0] + n[1] + n[2]);
-        let x = [*x0, phi.middle(x0, &forcing), phi.end(x0, &(a * x0 + n[0]), &forcing)];
-        let moments = [phi.integral(x0, &forcing), phi.moment(x0, &forcing)];
-        Squares::of(&phi).integral(h, &x, &forcing, [&moments[0], &moments[1]])
+        let forcing = Forcing::through(n[1] * 0.5 + n[2] * 0.25, n[1] + n[2]);
+        let rate = a * x0 + n[0];
+        let x = [*x0, phi.middle(x0, &rate, &forcing), phi.end(x0, &rate, &forcing)];
+        let [first, moment] = [phi.integral(x0, &rate, &forcing), phi.moment(x0, &rate, &forcing)];
+        let second = phi.second(x0, &rate, &forcing);
+        Squares::of(a).integral(h, &x, [&first, &moment, &second], (&n[0], &forcing))
     }
 
     /// Two real eigenvalues far apart, close together, a complex pair, a shaft without friction, an imposed speed; steps from much
