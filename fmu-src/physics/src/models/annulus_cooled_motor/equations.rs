@@ -149,6 +149,7 @@ pub struct Point {
 impl<'a> Step<'a> {
     /// The equations of a motor with inputs that are linear from `time` on; `conductance` is that at the fan command,
     /// [`Parameters::to_ambient`]. They hold until the next event of the effects.
+    #[inline(always)]
     pub fn new(
         model: &'a Parameters,
         constants: &'a Constants,
@@ -392,7 +393,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
     }
 
     /// Voltages and torques at one instant.
-    #[inline]
+    #[inline(always)]
     fn ends(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Ends {
         let (i, w) = (x[0], x[1]);
         let (r, k) = (self.resistance(temperature[WINDING]), self.torque_constant(t, temperature));
@@ -408,6 +409,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
     }
 
     /// Input power at the terminals (drive_mode pwm: at the drive) and as heat, W, with the winding at `t_w`, K.
+    #[inline(always)]
     fn power_in(&self, t: f64, x: &Fast, t_w: f64, ends: &Ends) -> f64 {
         let (i, w) = (x[0], x[1]);
         let (load, drive) = (self.power_mode_torque(w) * w, self.drive.at(t) + ends.bridge * i);

@@ -112,14 +112,15 @@ impl AnnulusCooledMotor {
     }
 
     /// The equations with the cached cooling.
-    #[inline]
+    #[inline(always)]
     pub(super) fn equations(&self) -> Step<'_> {
         let own = &self.own;
         self.equations_of(&self.parameters, &own.constants, own.network.as_ref(), own.fan)
     }
 
-    /// The equations in the present state with other parameters, and what follows from them.
-    #[inline]
+    /// The equations in the present state with other parameters, and what follows from them. Inlined, so that only what an output needs is
+    /// computed and nothing is copied.
+    #[inline(always)]
     pub(super) fn equations_of<'a>(
         &'a self,
         parameters: &'a Parameters,

@@ -27,6 +27,7 @@ pub(super) struct Reading<'a> {
 impl AnnulusCooledMotor {
     /// Result of `look` at the present time with the drivers set and, if `cooled`, the cooling by its full equations. The motor
     /// is unchanged: linearized cooling and constant drivers belong to the steps, and reading an output must not change them.
+    #[inline(always)]
     pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Reading) -> T) -> T {
         let own = &self.own;
         let is_told = self.parameters.effects.acts_at(Port::Any);
