@@ -323,7 +323,7 @@ impl Instance {
     #[inline]
     pub fn step(&mut self, at: f64, h: f64) -> Outcome {
         self.require_step(at, h)?;
-        let before = self.model.rejected_steps();
+        let before = if self.log.is_on() { self.model.rejected_steps() } else { 0 };
         self.advance(at, h)?;
         self.saturation.sloped = false;
         if self.log.is_on() {
@@ -387,27 +387,34 @@ impl Instance {
 
     #[inline]
     fn require_step(&self, at: f64, h: f64) -> Outcome {
-        self.require(&[Mode::Step])?;
         let now = self.model.time();
-        if !(h > 0.0 && h.is_finite()) {
-            return Err(Refused::error(format!(
-                "the communication step size {h} s is not positive and finite."
-            )));
-        }
         // A deviation up to a thousandth of a step is rounding error of the importer's time; a larger one is an error.
         let rounding = (1e-3 * h).max(8.0 * f64::EPSILON * now.abs());
-        if at.is_nan() || (at - now).abs() > rounding {
-            return Err(Refused::error(format!(
-                "the communication point {at} s differs from the time of the instance, {now} s."
-            )));
+        let fits = (at - now).abs() <= rounding && at + h <= self.window.1 + rounding;
+        if self.mode == Mode::Step && h > 0.0 && h.is_finite() && fits {
+            return Ok(());
         }
-        if at + h > self.window.1 + rounding {
-            return Err(Refused::error(format!(
+        Err(self.no_step(at, h, rounding))
+    }
+
+    /// Why a step cannot be computed.
+    #[cold]
+    fn no_step(&self, at: f64, h: f64, rounding: f64) -> Refused {
+        let now = self.model.time();
+        if self.mode != Mode::Step {
+            self.not_now()
+        } else if !(h > 0.0 && h.is_finite()) {
+            Refused::error(format!("the communication step size {h} s is not positive and finite."))
+        } else if at.is_nan() || (at - now).abs() > rounding {
+            Refused::error(format!(
+                "the communication point {at} s differs from the time of the instance, {now} s."
+            ))
+        } else {
+            Refused::error(format!(
                 "the step from {at} s by {h} s exceeds the stop time {} s.",
                 self.window.1
-            )));
+            ))
         }
-        Ok(())
     }
 
     /// Rejects a status function of FMI 2.0 outside a Co-Simulation run.

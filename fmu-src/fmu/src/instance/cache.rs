@@ -7,8 +7,8 @@
 use physics::declare::Kind;
 use physics::model::{Declaration, Slot, TIME};
 
-/// Longer lists are resolved at every call.
-const ROOM: usize = 16;
+/// Longer lists are resolved at every call; a master that records reads all outputs of a model, at most 37.
+const ROOM: usize = 40;
 /// Number of cached lists.
 const LISTS: usize = 4;
 
