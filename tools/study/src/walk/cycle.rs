@@ -24,11 +24,12 @@ const STEADY: f64 = 2e-3;
 const MOST_STRIDES: u32 = 60;
 /// Longest first step of the search, K: derivatives of a cold winding do not hold 100 K above.
 const LONGEST: f64 = 30.0;
-/// The next step may be twice as long if the slope predicts the gain of a step within this fraction of its change.
+/// The next step may be twice as long if the slope predicts the gain of a step within this fraction of its change, or less than it is.
 const PREDICTED: f64 = 0.1;
 /// Disturbance of a steady state, along the slowest mode, for the stability test, K.
 const NUDGE: f64 = 1.0;
-/// A steady state near one that was stable is disturbed only where the slope of the slowest mode is less than this fraction of the slope there.
+/// A steady state near one that was stable is disturbed only where the slope of the slowest mode is less than this fraction of the slope
+/// there.
 const STILL: f64 = 0.5;
 /// Temperature that counts as thermal runaway, K.
 const RUNAWAY: f64 = 1000.0;
@@ -111,15 +112,13 @@ fn search(mut walker: Walker, near: Option<&Near>) -> Result<(Periodic, Near), S
     };
     while walked < MOST_STRIDES {
         let mut step = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
-        if step.amax() > longest {
-            let gain = slowest.part_of(&f);
-            if slowest.part_of(&step) * gain < 0.0 {
-                // The losses grow faster than the heat flow: no steady state here to which anything leads. The temperatures go on.
-                step = &slowest.way * longest.copysign(gain);
-                longest *= 2.0;
-            } else {
-                step *= longest / step.amax();
-            }
+        let (gain, size) = (slowest.part_of(&f), step.amax());
+        if slowest.part_of(&step) * gain < 0.0 && size > NUDGE {
+            // The losses grow faster than the heat flow: no steady state here to which anything leads. The temperatures go on.
+            step = &slowest.way * longest.copysign(gain);
+            longest *= 2.0;
+        } else {
+            step *= (longest / size).min(1.0);
         }
         let next = &y + &step;
         if next.iter().any(|t| !(0.0..RUNAWAY).contains(t)) {
@@ -131,7 +130,9 @@ fn search(mut walker: Walker, near: Option<&Near>) -> Result<(Periodic, Near), S
         // Broyden: the slope that the last step has seen.
         let predicted = &minus * &step;
         let seen = &f_next - &f - &predicted;
-        if seen.amax() < PREDICTED * predicted.amax() {
+        // Newton's steps do not pass a steady state towards which the gain falls less and less.
+        let is_convex = slowest.part_of(&seen) * slowest.part_of(&f) > 0.0;
+        if is_convex || seen.amax() < PREDICTED * predicted.amax() {
             longest *= 2.0;
         }
         minus += seen / step.norm_squared().max(1e-300) * step.transpose();
@@ -327,8 +328,11 @@ fn jumped(s: &DMatrix<f64>, f: &DVector<f64>, m: u64, y: &DVector<f64>) -> DVect
 #[cfg(test)]
 mod tests {
     use super::super::load::Load;
+    use super::super::walker::Period;
     use super::*;
     use describe::Preset;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU32, Ordering};
 
     fn bare(support: f64) -> Walker {
         let preset = Preset::load("thesis-rig").unwrap();
@@ -375,6 +379,61 @@ mod tests {
             slowest.part_of(&(change_above(&walker, &slowest.way).unwrap() - gain)) < 0.0
         };
         assert!(back(0.0) && !back(200.0));
+    }
+
+    /// One temperature that gains `gain` of itself in a stride of a second, and the number of strides of all copies.
+    #[derive(Clone)]
+    struct Map {
+        temperature: f64,
+        gain: fn(f64) -> f64,
+        strides: Arc<AtomicU32>,
+    }
+
+    impl Period for Map {
+        fn stride_time(&self) -> f64 {
+            1.0
+        }
+        fn stride(&mut self) -> Result<Periodic, StudyError> {
+            self.strides.fetch_add(1, Ordering::Relaxed);
+            self.temperature += (self.gain)(self.temperature);
+            Ok(Periodic { winding_temperature: self.temperature, ..Periodic::default() })
+        }
+        fn temperatures(&self) -> Vec<f64> {
+            vec![self.temperature]
+        }
+        fn put_temperatures(&mut self, temperatures: &[f64]) {
+            assert!(temperatures[0] > 299.0, "colder than at the start");
+            self.temperature = temperatures[0];
+        }
+        fn stride_with_slopes(&mut self) -> Result<(Periodic, Vec<Vec<f64>>), StudyError> {
+            let slope = (self.gain)(self.temperature + 0.5) - (self.gain)(self.temperature - 0.5);
+            Ok((self.stride()?, vec![vec![slope.ln_1p()]]))
+        }
+        fn boxed_clone(&self) -> Box<dyn Period> {
+            Box::new(self.clone())
+        }
+    }
+
+    /// The motor comes to the lower one of two steady states, also from near the upper one; without a steady state the temperatures rise
+    /// to the runaway in a few strides.
+    #[test]
+    fn a_motor_comes_to_the_stable_steady_state_or_to_none() {
+        let at = |gain: fn(f64) -> f64| {
+            let strides = Arc::new(AtomicU32::new(0));
+            let walker = Walker::new(Map { temperature: 300.0, gain, strides: Arc::clone(&strides) });
+            (walker, strides)
+        };
+        let (walker, _) = at(|t| 2e-5 * (t - 380.0) * (t - 440.0));
+        let (cold, near) = steady(&walker, None).unwrap();
+        for temperature in [370.0, 440.4, 443.0, 470.0] {
+            let near = Near { temperatures: vec![temperature], ..near.clone() };
+            for found in [cold, steady(&walker, Some(&near)).unwrap().0] {
+                assert!((found.winding_temperature - 380.0).abs() < 2e-3, "{temperature} {found:?}");
+            }
+        }
+        let (walker, strides) = at(|t| 2e-5 * (t - 410.0).powi(2) + 0.05);
+        assert!(matches!(steady(&walker, None), Err(StudyError::Unsettled(_))));
+        assert!(strides.load(Ordering::Relaxed) < 15, "{strides:?}");
     }
 
     /// A map that is a straight line: m strides at once are m strides one after the other.
