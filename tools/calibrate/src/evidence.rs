@@ -21,6 +21,7 @@ mod memory;
 mod tests;
 
 use crate::levels::NEGLIGIBLE;
+use crate::selection::NEAR;
 use gains::Seen;
 pub use memory::{Memory, Series};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -233,15 +234,17 @@ impl Evidence {
         Some(self)
     }
 
-    /// Keeps only the best state of each noise and the one without drift and structure error.
+    /// Keeps only the states that cannot be distinguished from the best one, and the one without drift and structure error.
     pub fn settle(&mut self) {
+        let most = self.fitting().cost + NEAR;
         for (n, noise) in self.noises.iter_mut().enumerate() {
-            let (best, mut k) = (noise.fitting().cost, 0);
+            let mut k = 0;
             noise.states.retain(|state| {
                 k += 1;
-                (n, k) == (0, 1) || state.cost <= best
+                (n, k) == (0, 1) || state.cost <= most
             });
         }
+        self.noises.retain(|noise| !noise.states.is_empty());
     }
 
     /// Releases all memory except the cost.
@@ -374,8 +377,8 @@ impl Evidence {
     }
 
     /// First-order corrections of the parameters and their covariance, in units of their prior deviations, with the best hyperparameters;
-    /// estimated jointly with further columns if given. A variance is the greatest of those with white noise, times its misfit, and with
-    /// memory: a drift that is taken for a short memory would average out.
+    /// estimated jointly with further columns if given. A variance is the greatest of those with hyperparameters that cannot be
+    /// distinguished from the best ones.
     pub fn estimate(
         &self,
         parameters: usize,
@@ -392,11 +395,11 @@ impl Evidence {
             covariance += &lent * &gain.covariance * lent.transpose();
         }
         let mut view = covariance.view((0, 0), (parameters, parameters)).into_owned();
-        let others =
-            self.noises.iter().filter(|_| beside.is_none()).map(|noise| noise.fitting().factor.inverse());
-        for other in others {
+        let near = |state: &&State| beside.is_none() && state.cost <= best.cost + NEAR;
+        for other in self.noises.iter().flat_map(|noise| &noise.states).filter(near) {
+            let variances = other.factor.inverse();
             for k in 0..parameters {
-                let wider = (other[(k, k)] / view[(k, k)]).sqrt().max(1.0);
+                let wider = (variances[(k, k)] / view[(k, k)]).sqrt().max(1.0);
                 view.row_mut(k).scale_mut(wider);
                 view.column_mut(k).scale_mut(wider);
             }
