@@ -243,12 +243,14 @@ def test_logs_contain_evidence_that_the_fit_does_not_use(prepared):
     assert facts.two_places(RAW) == pytest.approx(0.60, abs=0.03)
 
 
-def test_declared_noise_is_the_repeatability_of_the_rig(prepared):
+def test_no_experiment_hides_the_disagreement_of_the_runs_in_a_noise(prepared):
+    """The runs repeat within 3.6 K (winding) and 0.56 K (body), far worse than the noise of the sensors, 0.02 K."""
     _, report = prepared
     apart = facts.repeatability(RAW, (3, 5), tuple(report[f"run-{run}.csv"]["shift_s"] for run in (3, 5)))
+    assert apart["winding_temperature_degC"] == pytest.approx(3.6, rel=0.02)
+    assert apart["housing_temperature_degC"] == pytest.approx(0.56, rel=0.02)
     for name in EXPERIMENTS:
-        for column, noise in tomllib.loads((RIG / name).read_text())["noise"].items():
-            assert noise == pytest.approx(apart[column], rel=0.02), (name, column)
+        assert "noise" not in tomllib.loads((RIG / name).read_text()), name
     same = facts.repeatability(RAW, (3, 3), (8.2, 8.2))
     assert set(same.values()) == {0.0}
 
