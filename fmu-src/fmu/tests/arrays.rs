@@ -104,12 +104,14 @@ fn states_and_derivatives_follow_the_number() {
     let ask = |seed, n_out| motor.directional(&unknown, &knowns, seed, &mut vec![0.0; n_out]);
     assert_eq!(ask(&seed[..2], 3), Status::Error, "a seed for each element");
     assert_eq!(ask(&seed, 1), Status::Error, "a place for each element");
-    let rows = [0.0, 1.0, 0.0];
-    let back = filled(4, |back| {
-        let (unknown, knowns, rows) = (unknown.as_ptr(), knowns.as_ptr(), rows.as_ptr());
-        unsafe {
+    let back = |rows: [f64; 3]| {
+        filled(4, |back| unsafe {
+            let (unknown, knowns, rows) = (unknown.as_ptr(), knowns.as_ptr(), rows.as_ptr());
             fmi3GetAdjointDerivative(motor.handle, unknown, 1, knowns, 2, rows, 3, back.as_mut_ptr(), 4)
-        }
-    });
-    assert_eq!(back[0], all[1], "the transpose");
+        })
+    };
+    assert_eq!(back([0.0, 1.0, 0.0])[0], all[1], "the transpose");
+    let seeds = [2.0, -0.5, 0.25];
+    let sum: f64 = seeds.iter().zip(&all).map(|(seed, slope)| seed * slope).sum();
+    assert!((back(seeds)[0] - sum).abs() < 1e-12 * sum.abs(), "the sum with the seeds");
 }

@@ -9,9 +9,7 @@ use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
 use crate::levels::{AT_NOISE, STRUCTURE, SURE};
 use crate::linearization::Linearization;
-use crate::outcome::{
-    ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Verdict, Whiteness,
-};
+use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Whiteness};
 use crate::prediction;
 use crate::report::{ROLES, column_words};
 use crate::selection::LEAST;
@@ -48,9 +46,9 @@ pub fn outcome(
     naive.truncate(setup.declared.len());
     let (mut estimates_of, covariance) = estimates(setup, point, None, Some(&mut corrected));
     let exact = setup.exact();
-    // Without a found effect, the model remains the fit to the indicated values. A correction that increases the error is rejected.
-    let is_repaired = !matches!(judged.verdict, Verdict::Nothing | Verdict::Fitted);
-    if is_repaired && is_no_worse(&exact, &corrected, &hypothesis)? {
+    // Without an added effect, the model remains the fit to the indicated values: estimated jointly with a disturbance that the model does not
+    // get, the parameters predict worse. A correction that increases the error is rejected.
+    if !hypothesis.additions.is_empty() && is_no_worse(&exact, &corrected, &hypothesis)? {
         hypothesis = corrected;
     }
     if let Some((beside, port)) = &judged.beside {
