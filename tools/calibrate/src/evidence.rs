@@ -195,8 +195,8 @@ impl Evidence {
         Some(other)
     }
 
-    /// The null model extended by noise with a memory, if the residual has it.
-    pub fn with_memory(mut self) -> Option<Evidence> {
+    /// Extends the null model by noise with a memory, if the residual has it.
+    pub fn add_memory(&mut self) -> Option<()> {
         let white = &self.noises[0];
         let best = white.fitting();
         let (mut left, mut used) = (best.left.clone(), self.used(best)?);
@@ -231,7 +231,7 @@ impl Evidence {
             found = Some(noise);
         }
         self.noises.extend(found);
-        Some(self)
+        Some(())
     }
 
     /// Keeps only the states that cannot be distinguished from the best one, and the one without drift and structure error.

@@ -136,8 +136,7 @@ impl<'a> Linearization<'a> {
             let with = point.evidence.with_structure(columns);
             point.evidence = with.ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))?;
         }
-        let Linearization { evidence, .. } = &mut point;
-        *evidence = evidence.clone().with_memory().ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))?;
+        point.evidence.add_memory().ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))?;
         // No further search from here; the memory is released, because many linearizations are kept.
         if ports.is_empty() {
             point.evidence.settle();

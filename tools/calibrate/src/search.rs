@@ -390,14 +390,8 @@ fn smooth(point: &Linearization, port: Port, driver: Driver, per_number: f64) ->
     let columns = point.port_columns(port, knots.len(), |k, _, _, d| value(k, d))?;
     let gain = point.evidence.shape(&columns, &alike(&knots))?;
     let name = format!("{} over {}", port.name(), driver.name());
-    let mut found = scored(
-        name,
-        port,
-        Follows::Driver(driver),
-        &gain,
-        2.0 * per_number + choice(port, Follows::Driver(driver)),
-        &knots,
-    );
+    let follows = Follows::Driver(driver);
+    let mut found = scored(name, port, follows, &gain, 2.0 * per_number + choice(port, follows), &knots);
     let number = |(k, x): (usize, &f64)| Number {
         symbol: format!("value at {} = {x:.4}", driver.name()),
         value: gain.size[k],
@@ -435,14 +429,8 @@ fn powers(point: &Linearization, port: Port, driver: Driver, per_number: f64) ->
     let physical = gains.filter_map(|(exponent, gain)| Some((exponent, gain.filter(is_physical)?)));
     let (exponent, gain) = physical.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
     let name = format!("{} ~ {}^{exponent}", port.name(), driver.name());
-    let mut found = scored(
-        name,
-        port,
-        Follows::Driver(driver),
-        &gain,
-        2.0 * per_number + choice(port, Follows::Driver(driver)),
-        &[0.0],
-    );
+    let follows = Follows::Driver(driver);
+    let mut found = scored(name, port, follows, &gain, 2.0 * per_number + choice(port, follows), &[0.0]);
     let number = |symbol: &str, value: f64, limits: (f64, f64), unit: &'static str, scale: f64| Number {
         symbol: symbol.to_string(),
         value,

@@ -143,7 +143,8 @@ fn noise_with_a_memory_is_no_effect() {
             x = rho * x + s * f64::sqrt(1.0 - rho * rho) * normal(&mut rng);
             x + effect * slow[(k, 0)]
         });
-        let evidence = Evidence::new(r, &none, &[], &none, &[], series()).unwrap().with_memory().unwrap();
+        let mut evidence = Evidence::new(r, &none, &[], &none, &[], series()).unwrap();
+        evidence.add_memory().unwrap();
         (evidence.is_noise(), evidence.inflation()[0], evidence.gain(&slow).unwrap())
     };
     let (is_noise, inflation, gain) = found(0.0, 1.0, 0.0);
