@@ -194,7 +194,7 @@ fn choose(names: &[String]) -> Outcome<Vec<&'static Mutant>> {
     names.iter().map(find).collect()
 }
 
-/// Builds the tests in a folder. They share our target folder, so only crates of ours are compiled.
+/// Builds the tests of a copy. They share our target folder, so only crates of ours are compiled.
 fn compile(workspace: &Workspace, root: &Path, packages: &BTreeSet<&str>) -> Outcome<Vec<Program>> {
     let mut build =
         workspace.cargo(&["test", "--release", "--no-run", "--message-format", "json-render-diagnostics"]);

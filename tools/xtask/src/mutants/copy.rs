@@ -22,6 +22,8 @@ impl Copy {
         };
         copy_folder(&workspace.root, &root, &left_out)
             .map_err(|e| format!("the workspace cannot be copied to {}: {e}", root.display()))?;
+        let manifest = root.join("Cargo.toml");
+        files::write(&manifest, &renamed(&files::read(&manifest)?)?)?;
         Ok(Copy { root })
     }
 
@@ -29,6 +31,16 @@ impl Copy {
     pub fn root(&self) -> &Path {
         &self.root
     }
+}
+
+/// The manifest of a workspace with another version. In a shared target folder cargo tells crates apart by name and version,
+/// not by their folder: with the same version, the next build of the workspace would take the broken crates as its own.
+fn renamed(manifest: &str) -> Outcome<String> {
+    let (before, after) = manifest
+        .split_once("[workspace.package]\nversion = \"")
+        .ok_or("Cargo.toml has no [workspace.package] that begins with a version")?;
+    let (version, after) = after.split_once('"').ok_or("the version of [workspace.package] does not end")?;
+    Ok(format!("{before}[workspace.package]\nversion = \"{version}-copy\"{after}"))
 }
 
 fn copy_folder(from: &Path, to: &Path, left_out: &dyn Fn(&Path) -> bool) -> std::io::Result<()> {
@@ -59,5 +71,17 @@ mod tests {
         let copied = (to.join("src/mutants/copy.rs").is_file(), to.join("Cargo.toml").exists());
         std::fs::remove_dir_all(&to).unwrap();
         assert_eq!(copied, (true, false));
+    }
+
+    /// The copy's crates are others to cargo, its dependencies are the same.
+    #[test]
+    fn a_copy_has_a_version_of_its_own() {
+        let own = crate::files::read(&Workspace::find().unwrap().root.join("Cargo.toml")).unwrap();
+        let other = renamed(&own).unwrap();
+        let changed: Vec<_> = own.lines().zip(other.lines()).filter(|(a, b)| a != b).collect();
+        let version = env!("CARGO_PKG_VERSION");
+        let (before, after) = (format!("version = \"{version}\""), format!("version = \"{version}-copy\""));
+        assert_eq!(changed, [(before.as_str(), after.as_str())]);
+        assert!(renamed("[workspace]\n").unwrap_err().contains("[workspace.package]"));
     }
 }
