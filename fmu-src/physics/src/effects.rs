@@ -54,6 +54,7 @@ mod dead_time;
 mod demagnetisation;
 mod drive_loss;
 mod fan_back_pressure;
+mod fan_exponent;
 mod forced_convection;
 mod generic_term;
 mod housing_radiation;
@@ -63,6 +64,8 @@ mod housing_sensor_stem_loss;
 mod interface_temperature;
 mod iron_loss;
 mod load_dependent_friction;
+mod lubricant_friction;
+mod natural_convection;
 mod ports;
 mod propeller_load;
 mod pwm_ripple;
@@ -218,6 +221,8 @@ effects! {
     coulomb_friction: CoulombFriction @ "effect.coulomb_friction." 1000 at DragTorque;
     /// Friction of lubricant, and eddy currents, which follow the same law.
     viscous_friction: ViscousFriction @ "effect.viscous_friction." 1010 at DragTorque;
+    /// Friction of a lubricant that thins as it warms up.
+    lubricant_friction: LubricantFriction @ "effect.lubricant_friction." 1280 at WarmDrag;
     /// Hysteresis and eddy currents in the stator's iron.
     iron_loss: IronLoss @ "effect.iron_loss." 1020 at DragTorque;
     /// Drag of the air on the rotor.
@@ -228,12 +233,16 @@ effects! {
     contact_drop: ContactDrop @ "effect.contact_drop." 1050 at TerminalVoltage;
     /// Radiation from the housing to ambient.
     housing_radiation: HousingRadiation @ "effect.housing_radiation." 1060 at HousingToAmbient;
+    /// Conductance of still air that increases with the temperature rise.
+    natural_convection: NaturalConvection @ "effect.natural_convection." 1270 at StillAir;
     /// Temperature-dependent resistance between winding and housing.
     interface_temperature: InterfaceTemperature @ "effect.interface_temperature." 1070 at WindingHousingResistance;
     /// Air flow over the housing or through the winding.
     forced_convection: ForcedConvection @ "effect.forced_convection." 1080 at AmbientConductance;
     /// Flow reduction of a fan by back pressure.
     fan_back_pressure: FanBackPressure @ "effect.fan_back_pressure." 1090 at FanFlow;
+    /// Another exponent of the fan command.
+    fan_exponent: FanExponent @ "effect.fan_exponent." 1290 at FanFlow;
     /// Partial loss of magnetisation.
     demagnetisation: Demagnetisation @ "effect.demagnetisation." 1100 at TorqueConstant;
     /// Drift of the ambient temperature sensor.

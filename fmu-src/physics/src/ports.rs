@@ -17,6 +17,8 @@ macro_rules! ports {
             sum drag_torque [D: Number] (w: D) -> D, derivative [drag_torque_slope];
         /// The part of [`drag_torque`](Effect::drag_torque) that arises in the iron, N.m.
         [] sum iron_drag [] (w: f64) -> f64, derivative [];
+        /// A torque against the motion at speed `w`, rad/s, with the magnets at `t`, K: N.m, as [`drag_torque`](Effect::drag_torque).
+        [WarmDrag] sum warm_drag [D: Number] (w: D, t: f64) -> D, derivative [warm_drag_slope];
         /// A torque against the motion per newton metre of shaft torque on the load: with the sign of `w`
         /// times that of the load's torque, approximately `tau`, N.m. Its power heats the housing.
         [LoadDrag] sum load_drag [D: Number] (w: D, tau: f64) -> D, derivative [load_drag_slope];
@@ -59,6 +61,8 @@ macro_rules! ports {
             of HousingTemperature]
             sum housing_to_ambient [D: Number] (t_h: D, t_a: f64) -> D,
             derivative [housing_to_ambient_slope];
+        /// Additional heat flow to still air at the temperature rise `rise`, K, divided by the conductance of still air, K.
+        [StillAir] sum still_air [D: Number] (rise: D) -> D, derivative [still_air_slope];
         /// Multiplies every heat capacity; positive.
         [HeatCapacity as HeatCapacity "heat_capacity" One] factor heat_capacity [] () -> f64, derivative [];
         /// The effective fan command for the command `n`, 0 to 1.

@@ -98,8 +98,11 @@ fn the_callers_step_does_not_matter() {
 /// terms come from a file (`terms.rs`), and what follows its driver in the middle of a step as they do is compared in
 /// `rig_effects.rs`.
 fn examples() -> Effects {
-    let (stator_node, speed_convection) = (StatorNode::default(), SpeedConvection::default());
-    Effects { stator_node, speed_convection, ..Effects::examples() }
+    Effects {
+        stator_node: StatorNode::default(),
+        speed_convection: SpeedConvection::default(),
+        ..Effects::examples()
+    }
 }
 
 /// Each of these effects alone, then all together.

@@ -288,12 +288,14 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
 
     /// Drag torque, N.m; `k` is the torque constant.
     #[inline(always)]
-    fn drag(&self, t: f64, x: &Fast, k: f64) -> f64 {
+    fn drag(&self, t: f64, x: &Fast, temperature: &Temperatures, k: f64) -> f64 {
         let effects = self.ports();
         let own = effects.drag_torque(x[1]);
         if Self::PLAIN {
-            own
-        } else if self.is_free() {
+            return own;
+        }
+        let own = own + effects.warm_drag(x[1], self.magnets(t, temperature));
+        if self.is_free() {
             let load = self.load.at(t);
             own + effects.load_drag(x[1], load) * load
         } else {
@@ -339,7 +341,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
 
     /// Drag power that does not heat the core, at the start of the step, W.
     pub fn drag_beyond(&self, x: &Fast, temperature: &Temperatures) -> f64 {
-        let drag = self.drag(0.0, x, self.torque_constant(0.0, temperature)) * x[1];
+        let drag = self.drag(0.0, x, temperature, self.torque_constant(0.0, temperature)) * x[1];
         drag - self.drag_in_core(x[1], drag)
     }
 
@@ -372,10 +374,16 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         };
         if !(Self::PLAIN || self.has_network()) {
             let (effects, t_h) = (self.ports(), temperature[CORE]);
-            leaving.housing +=
-                effects.housing_to_ambient(t_h, self.ambient.at(t)) - effects.housing_heat(t_h);
+            leaving.housing += self.curved(t_h, self.ambient.at(t)) - effects.housing_heat(t_h);
         }
         leaving
+    }
+
+    /// Heat flow from the housing at `t_h`, K, to ambient at `t_a` that no conductance describes, W, without a network.
+    #[inline(always)]
+    fn curved(&self, t_h: f64, t_a: f64) -> f64 {
+        let effects = self.ports();
+        effects.housing_to_ambient(t_h, t_a) + self.model.conductance.G_still * effects.still_air(t_h - t_a)
     }
 
     /// Stored energy, J: magnetic and kinetic unless imposed, and heat above the temperature `origin`, K.
@@ -397,7 +405,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
     fn ends(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Ends {
         let (i, w) = (x[0], x[1]);
         let (r, k) = (self.resistance(temperature[WINDING]), self.torque_constant(t, temperature));
-        let (drag, bridge) = (self.drag(t, x, k), self.bridge(i));
+        let (drag, bridge) = (self.drag(t, x, temperature, k), self.bridge(i));
         let voltage = if self.is_voltage_driven() {
             self.source(t, k * w) - bridge - self.missed(t, i)
         } else {

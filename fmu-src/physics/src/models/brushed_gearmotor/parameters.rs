@@ -53,6 +53,12 @@ fn reason(port: Port) -> Option<&'static str> {
             Some("it takes no terms from data; its other effects (effect.*) act as parameters")
         }
         WindingResistance => Some("motor.R_ref and motor.alpha are the resistance of the winding"),
+        WarmDrag => {
+            Some("the friction of its grease is gear.B, which follows the temperature with gear.T_ref")
+        }
+        StillAir => Some(
+            "its conductances are thermal.G_hb and thermal.G_ba; effect.housing_radiation.k increases them with temperature",
+        ),
         FanFlow => Some("it has no fan; effect.forced_convection.G is an additional conductance"),
         HousingSensorLag => {
             Some("the housing sensor has no state; effect.housing_sensor_stem_loss.k is its static error")

@@ -12,7 +12,10 @@ impl Method for GivenConductance {
     }
 
     fn add(&self, site: &Site, c: &mut Coefficients) {
-        let n = site.segments;
-        c.ambient_conductance[..n].fill(site.parameters.conductance.at(site.command) / n as f64);
+        let (n, parameters) = (site.segments, site.parameters);
+        let (rise, effects) = (site.at.surface - site.at.ambient, &parameters.effects);
+        let secant = if rise == 0.0 { effects.still_air_slope(0.0) } else { effects.still_air(rise) / rise };
+        let conductance = parameters.conductance.at(site.command) + parameters.conductance.G_still * secant;
+        c.ambient_conductance[..n].fill(conductance / n as f64);
     }
 }

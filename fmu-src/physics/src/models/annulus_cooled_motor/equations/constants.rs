@@ -8,13 +8,15 @@ use crate::models::annulus_cooled_motor::network::Body;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 
 /// Ports, besides the drag torque, that are evaluated at every stage of a step.
-const BRANCHES: [Port; 7] = [
+const BRANCHES: [Port; 9] = [
+    Port::WarmDrag,
     Port::LoadDrag,
     Port::TerminalVoltage,
     Port::WindingResistance,
     Port::HousingHeat,
     Port::WindingHousingResistance,
     Port::HousingToAmbient,
+    Port::StillAir,
     Port::PowerModeLoad,
 ];
 
@@ -68,8 +70,9 @@ impl Constants {
         // The power of this load is part of electrical_power; its torque acts at an imposed speed.
         let is_loaded = parameters.choices.drive_mode == DriveMode::Power && !free;
         let acts = if is_loaded { acts } else { acts.without(Port::PowerModeLoad) };
-        // With a network, the network computes radiation.
-        let acts = if body.is_none() { acts } else { acts.without(Port::HousingToAmbient) };
+        // With a network, the network computes what leaves the housing.
+        let of_housing = |acts: Acts| acts.without(Port::HousingToAmbient).without(Port::StillAir);
+        let acts = if body.is_none() { acts } else { of_housing(acts) };
         let chops = Chopper::acts(parameters);
         Constants {
             inverse_l: if voltage_driven { 1.0 / parameters.motor.L } else { 0.0 },

@@ -87,7 +87,7 @@ impl<const FORM: u8> Step<'_, FORM> {
             Some(network) => (network.housing_temperature(), network.housing_heat(ambient)),
             None => {
                 let conductance = self.conductance_at(0.0).housing;
-                (core, conductance * (core - ambient) + self.ports().housing_to_ambient(core, ambient))
+                (core, conductance * (core - ambient) + self.curved(core, ambient))
             }
         };
         HousingHeat { housing, ambient, flow }

@@ -22,7 +22,7 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
     #[inline(always)]
     fn instant(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Instant {
         let k = self.torque_constant(t, temperature);
-        Instant { k, drag: self.drag(t, x, k) }
+        Instant { k, drag: self.drag(t, x, temperature, k) }
     }
 
     #[inline(always)]
@@ -46,7 +46,9 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         let k = self.torque_constant(t, temperature);
         let slope = if self.is_free() {
             let load = self.load.at(t);
-            effects.drag_torque_slope(x[1]) + effects.load_drag_slope(x[1], load) * load
+            effects.drag_torque_slope(x[1])
+                + effects.warm_drag_slope(x[1], self.magnets(t, temperature))
+                + effects.load_drag_slope(x[1], load) * load
         } else {
             0.0
         };
@@ -96,7 +98,10 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         let cold = self.constants.across * share;
         let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
         let conductance = self.conductance_at(t);
-        let from_housing = conductance.housing + effects.housing_to_ambient_slope(t_h, self.ambient.at(t))
+        let t_a = self.ambient.at(t);
+        let from_housing = conductance.housing
+            + effects.housing_to_ambient_slope(t_h, t_a)
+            + self.model.conductance.G_still * effects.still_air_slope(t_h - t_a)
             - effects.housing_heat_slope(t_h);
         let per_kelvin = self.constants.inverse_capacity;
         Matrix2::new(
