@@ -15,11 +15,11 @@ use crate::deadline::Deadline;
 use crate::estimates;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
-use crate::levels::{LEAD, NEARLY, STRUCTURE};
+use crate::levels::{DECISIVE, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::search::{Scored, best_memory_term, latent_input_at, search};
-use crate::selection::{Candidate, Round, acting, asked};
+use crate::selection::{Candidate, Round, acting};
 use crate::separate::separate;
 use crate::setup::Setup;
 use crate::undeclared::better_than_effects;
@@ -250,20 +250,14 @@ impl<'a> Search<'a> {
         self.taken().map_or(&self.first, |c| &c.point)
     }
 
-    /// Reduction of the cost from which an explanation stands out.
-    fn outstanding(&self) -> f64 {
-        LEAD.max(asked(self.point()))
-    }
-
     /// The history-dependent latent input, if the additions explain clearly less than it does.
     fn history(&self) -> Option<&Scored> {
         let scored = &self.scored[0];
         let free = scored.iter().find(|s| s.is_free())?;
         let (before, after) = (self.first.evidence.cost(), self.point().evidence.cost());
         let explained = before.0 - after.0;
-        let least = self.outstanding();
         let ahead =
-            |evidence: f64, explained: f64| evidence - explained > least.max(STRUCTURE * evidence.abs());
+            |evidence: f64, explained: f64| evidence - explained > DECISIVE.max(STRUCTURE * evidence.abs());
         (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1))
             .then(|| switched(scored, free))
     }
@@ -322,8 +316,7 @@ impl<'a> Search<'a> {
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
         } else if effects.is_empty()
-            && let Some(rest) =
-                self.left().iter().find(|s| !s.listed).filter(|s| s.sure() > self.outstanding())
+            && let Some(rest) = self.left().iter().find(|s| !s.listed).filter(|s| s.sure() > DECISIVE)
         {
             judgement.verdict = Verdict::Unexplained;
             judgement.unexplained = Some(unexplained(rest, false));

@@ -7,12 +7,11 @@ use crate::comparison;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
-use crate::levels::{AT_NOISE, STRUCTURE, SURE};
+use crate::levels::{AT_NOISE, DECISIVE, STRUCTURE, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Whiteness};
 use crate::prediction;
 use crate::report::{ROLES, column_words};
-use crate::selection::LEAST;
 use crate::setup::{Declared, Setup, Shown};
 use nalgebra::DMatrix;
 use physics::terms::Port;
@@ -322,7 +321,7 @@ pub fn magnitude(point: &Linearization) -> String {
 }
 
 fn limits(point: &Linearization) -> Vec<Limit> {
-    let least = LEAST + point.per_number();
+    let least = DECISIVE + point.per_number();
     let known: Vec<_> = point.listed().collect();
     let everywhere = vec![true; point.runs.len()];
     let found = known.iter().enumerate().filter_map(|(k, (listed, addition))| {

@@ -327,12 +327,6 @@ impl Evidence {
         all.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or((0, 0))
     }
 
-    /// Whether the residual is noise as stated and sensor drift, without structure error and memory.
-    pub fn is_noise(&self) -> bool {
-        let (noise, state) = self.best_state();
-        self.noises[noise].memory.is_none() && self.noises[noise].states[state].size == 0.0
-    }
-
     /// Variance of the mean of many readings relative to that of white noise of the stated size, output by output.
     pub fn inflation(&self) -> Vec<f64> {
         let outputs = self.series.iter().map(|s| s.output + 1).max().unwrap_or(0);

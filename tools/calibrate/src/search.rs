@@ -211,6 +211,17 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
     all.extend(free);
     leave_to_the_air(&mut all);
     all.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
+    if std::env::var_os("DEBUG_SCORES").is_some() {
+        for s in all.iter().filter(|s| s.listed) {
+            eprintln!(
+                "DBG {} {:.1} {:.1} {:?}",
+                s.name,
+                s.raw,
+                s.evidence,
+                s.addition.as_ref().map(|a| a.numbers.iter().map(|n| n.value).collect::<Vec<_>>())
+            );
+        }
+    }
     all
 }
 
@@ -224,6 +235,20 @@ fn leave_to_the_air(all: &mut Vec<Scored>) {
     let air: Vec<_> = air.map(|s| (shape(s), s.sure())).collect();
     let as_well = |s: &Scored| air.iter().any(|(own, sure)| *own == shape(s) && *sure > NEARLY * s.sure());
     all.retain(|s| !(law(s, Port::HousingHeat) && s.falls() && as_well(s)));
+}
+
+/// Size of an effect by its change to first order; `None` if it has the wrong sign. A large effect is beyond its limit to first order:
+/// half way to it is then the start of the fit.
+fn possible(base: f64, change: f64, limits: (f64, f64)) -> Option<f64> {
+    let size = base + change;
+    let (least, most) = limits;
+    if within(size, limits) {
+        Some(size)
+    } else if size > most && most > base {
+        Some(0.5 * (base + most))
+    } else {
+        (size < least && least < base).then_some(0.5 * (base + least))
+    }
 }
 
 fn within(value: f64, limits: (f64, f64)) -> bool {
@@ -249,12 +274,13 @@ fn listed(point: &Linearization, per_number: f64) -> Vec<Scored> {
                     let gain = point.evidence.gain(&point.listed_column(k, &pattern)?)?;
                     let partly = pattern.iter().any(|on| !on);
                     let base = point.base(addition);
+                    let size = possible(base, gain.size[0], addition.numbers[0].limits)?;
                     // An effect that is declared to act everywhere may have another size in some runs.
-                    if (base != 0.0 && !partly) || !within(base + gain.size[0], addition.numbers[0].limits) {
+                    if base != 0.0 && !partly {
                         return None;
                     }
                     let mut addition = addition.clone();
-                    addition.numbers[0].value = base + gain.size[0];
+                    addition.numbers[0].value = size;
                     if partly {
                         // The effect is inactive in runs outside the fit until they are evaluated.
                         addition.active.fill(false);

@@ -17,7 +17,7 @@ use crate::outcome::{Evidence, Follows};
 use crate::search::{Scored, choice};
 use crate::setup::Setup;
 use gate::gate;
-pub use gate::{acting, asked, predicts_where_it_acts};
+pub use gate::{acting, predicts_where_it_acts};
 use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 
@@ -27,9 +27,9 @@ pub const LEAST: f64 = 10.0;
 /// Costs that differ by less cannot be distinguished; a lower validation cost must differ by as much: strong evidence. Source: as for
 /// [`LEAST`].
 pub const NEAR: f64 = 6.0;
-/// Numbers of candidates: effects of the list, power laws, shapes, laws with a lag. Numerical: a limit of effort; the others explain
+/// Numbers of candidates with distinct names: effects of the list, power laws, shapes, laws with a lag. Numerical: a limit of effort; the others explain
 /// less to first order.
-const CANDIDATES: [usize; 4] = [4, 2, 2, 2];
+const CANDIDATES: [usize; 4] = [6, 2, 2, 2];
 /// Numbers of additional candidates, ranked by the other measure. Numerical: as for [`CANDIDATES`].
 const FURTHER: [usize; 4] = [3, 1, 1, 1];
 /// A candidate with its own heat capacity takes ten times as long to simulate; it is fitted only if its evidence is at least this
@@ -37,8 +37,8 @@ const FURTHER: [usize; 4] = [3, 1, 1, 1];
 const STORED: f64 = 0.2;
 /// Fraction of the best evidence below which a candidate is fitted only if it is the best of its kind. Numerical: a limit of effort.
 const BEHIND: f64 = 0.3;
-/// A law predicts far better if its validation error is below this fraction of that of the listed effect; a term explains most of an output
-/// if its error in the fit runs is. Derivation: half of the mean square; the law then accounts for more of it than it leaves.
+/// A law predicts far better if its validation error is below this fraction of that of the listed effect. Derivation: half of the mean
+/// square; the law then accounts for more of it than it leaves.
 const AHEAD: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Fitted candidate.
@@ -229,10 +229,11 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
 }
 
 /// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
-/// sensor error that depends on the motor, and an effect at a node depends on the temperature of that node.
+/// sensor error that depends on the motor, an effect at a node depends on the temperature of that node, and a driver that is measured is
+/// preferred to a heat flow that the model computes from it.
 fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>) {
     let unnamed = |k: &usize| !candidates[*k].addition().is_listed();
-    for strange in [is_at_a_sensor as fn(&Addition) -> bool, follows_another_node] {
+    for strange in [is_at_a_sensor as fn(&Addition) -> bool, follows_another_node, follows_a_heat] {
         let Some(first) = order.iter().position(unnamed) else { return };
         let best = &candidates[order[first]];
         if !strange(best.addition()) {
@@ -265,6 +266,10 @@ fn follows_another_node(addition: &Addition) -> bool {
         _ => return false,
     };
     addition.follows == Follows::Driver(other)
+}
+
+fn follows_a_heat(addition: &Addition) -> bool {
+    matches!(addition.follows, Follows::Late(driver) if driver.is_heat())
 }
 
 fn is_sensor(port: Port) -> bool {
@@ -331,16 +336,18 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
         for candidate in order {
             let Some(addition) = &candidate.addition else { continue };
             let k = addition.kind();
+            let is_chosen = chosen.iter().any(|c| std::ptr::eq(*c, candidate));
             let names = chosen.iter().filter(|c| c.name == candidate.name).count();
             // An effect may act in other runs than first estimated, so two variants are allowed.
             let twice = names > usize::from(k == 0 && candidate.name.ends_with("some runs"));
             let far = (worth(candidate) < BEHIND * best && taken[k] >= 1)
                 || (addition.is_store() && candidate.sure() < STORED * surest);
-            if taken[k] < quota[k] && !far {
-                taken[k] += 1;
-                if !twice && !chosen.iter().any(|c| std::ptr::eq(*c, candidate)) {
-                    chosen.push(candidate);
-                }
+            if taken[k] >= quota[k] || far || (twice && !is_chosen) {
+                continue;
+            }
+            taken[k] += usize::from(is_chosen || names == 0);
+            if !is_chosen {
+                chosen.push(candidate);
             }
         }
     }

@@ -1,11 +1,11 @@
 //! Acceptance tests of a candidate: evidence, physical sign and size, the same size in every run, validation error.
 
-use super::{AHEAD, Candidate, LEAST, NEAR, is_sensor};
+use super::{Candidate, LEAST, NEAR, is_sensor};
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
-use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, PART, STRUCTURE};
+use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, FACTOR, PART, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::setup::{Setup, Shown};
 
@@ -17,17 +17,11 @@ type Judged = (Option<f64>, Option<String>);
 /// Applies the acceptance tests: ratio of validation errors with and without the candidate, and the reason for rejection.
 pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, CalibrateError> {
     let (white, raw) = candidate.delta;
-    if raw <= LEAST || white <= LEAST {
-        let sentence = format!(
-            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {LEAST} is asked for"
-        );
-        return Ok((None, Some(sentence)));
-    }
-    let asked = if halves(before, candidate) { LEAST } else { asked(&candidate.point) };
+    let asked = if outweighs(before, candidate) { LEAST } else { DECISIVE };
     if candidate.sure() <= asked {
         let sentence = format!(
-            "lowers BIC by {:.1}; the fit runs show structure error beside it, and more than {asked} is then asked for",
-            candidate.sure()
+            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {asked} is asked for, because \
+             the errors of any model explain less"
         );
         return Ok((None, Some(sentence)));
     }
@@ -58,17 +52,11 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
     Ok((validation, None))
 }
 
-/// Reduction of the cost that is required of an explanation which leaves this residual: where structure error is left, some law of its
-/// size is the best one of all that were tried, and no effect unless it stands out.
-pub fn asked(left: &Linearization) -> f64 {
-    if left.evidence.is_noise() { LEAST } else { DECISIVE }
-}
-
-/// Whether a candidate accounts for more of an output's mean square error in the fit runs than it leaves.
-fn halves(before: &Linearization, candidate: &Candidate) -> bool {
+/// Whether the error of an output in the fit runs falls by a factor that structure error does not have.
+fn outweighs(before: &Linearization, candidate: &Candidate) -> bool {
     let squares = |point: &Linearization| before.setup.squares(&before.runs, &point.fitted.shown);
     let pairs = squares(before).into_iter().zip(squares(&candidate.point));
-    pairs.into_iter().any(|((without, _), (with, _))| with < AHEAD * AHEAD * without)
+    pairs.into_iter().any(|((without, _), (with, _))| with * FACTOR * FACTOR < without)
 }
 
 /// Sentence on a listed sensor effect that is smaller than the calibration accuracy.
