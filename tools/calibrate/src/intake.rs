@@ -354,7 +354,7 @@ fn structure(experiment: &Experiment, runs: &[usize], output: usize) -> f64 {
 }
 
 /// Mean square of an output over runs (temperatures: rise over ambient), and the number of its readings.
-fn mean_square(experiment: &Experiment, runs: &[usize], output: usize) -> (f64, usize) {
+pub fn mean_square(experiment: &Experiment, runs: &[usize], output: usize) -> (f64, usize) {
     let place = experiment.inputs.len() + output;
     let is_temperature = experiment.outputs[output].is_temperature();
     let (mut sum, mut count) = (0.0, 0);

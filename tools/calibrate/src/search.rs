@@ -211,17 +211,6 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
     all.extend(free);
     leave_to_the_air(&mut all);
     all.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
-    if std::env::var_os("DEBUG_SCORES").is_some() {
-        for s in all.iter().filter(|s| s.listed) {
-            eprintln!(
-                "DBG {} {:.1} {:.1} {:?}",
-                s.name,
-                s.raw,
-                s.evidence,
-                s.addition.as_ref().map(|a| a.numbers.iter().map(|n| n.value).collect::<Vec<_>>())
-            );
-        }
-    }
     all
 }
 

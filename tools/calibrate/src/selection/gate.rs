@@ -1,11 +1,12 @@
 //! Acceptance tests of a candidate: evidence, physical sign and size, the same size in every run, validation error.
 
-use super::{Candidate, LEAST, NEAR, is_sensor};
+use super::{AHEAD, Candidate, LEAST, NEAR, is_sensor};
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
-use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, FACTOR, PART, STRUCTURE};
+use crate::intake::mean_square;
+use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, PART, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::setup::{Setup, Shown};
 
@@ -52,11 +53,16 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
     Ok((validation, None))
 }
 
-/// Whether the error of an output in the fit runs falls by a factor that structure error does not have.
+/// Whether an effect is larger than structure error can be: an output's mean square error in the fit runs halves, and what it falls by is
+/// above the structure error of that output.
 fn outweighs(before: &Linearization, candidate: &Candidate) -> bool {
-    let squares = |point: &Linearization| before.setup.squares(&before.runs, &point.fitted.shown);
-    let pairs = squares(before).into_iter().zip(squares(&candidate.point));
-    pairs.into_iter().any(|((without, _), (with, _))| with * FACTOR * FACTOR < without)
+    let setup = before.setup;
+    let squares = |point: &Linearization| setup.squares(&before.runs, &point.fitted.shown);
+    let pairs = squares(before).into_iter().zip(squares(&candidate.point)).enumerate();
+    pairs.into_iter().any(|(output, ((without, count), (with, _)))| {
+        let (size, _) = mean_square(setup.experiment, &before.runs, output);
+        with < AHEAD * AHEAD * without && without - with > STRUCTURE * STRUCTURE * size * count as f64
+    })
 }
 
 /// Sentence on a listed sensor effect that is smaller than the calibration accuracy.
