@@ -188,8 +188,9 @@ fn confirmed(
             Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(at, judge.runs, by))?),
             _ => None,
         };
+        // At the deadline the best of those that were confirmed is the answer; they come in the order of their scores.
         if as_meant.is_cut {
-            return Ok(None);
+            break;
         }
         if without.as_ref().unwrap_or(as_is).is_worse_than(&as_meant, None) {
             if without.is_some() {
@@ -210,7 +211,7 @@ fn confirmed(
         if one.mistake.is_simulated(inputs) {
             for k in (0..at.outputs.len()).filter(|k| !one.mistake.touches().contains(&(inputs + k))) {
                 let alone = fitted(judge, &blanked(at, judge.runs, inputs + k))?;
-                is_sensor |= as_meant.is_worse_than(&alone, Some(k));
+                is_sensor |= !alone.is_cut && as_meant.is_worse_than(&alone, Some(k));
             }
         }
         if !is_sensor {
