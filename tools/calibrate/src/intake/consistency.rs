@@ -43,7 +43,7 @@ use crate::levels::{CERTAIN, FACTOR, NEARLY, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 use mistakes::Mistake;
-use search::search;
+use search::{search, wrong_time};
 
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
 const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
@@ -192,6 +192,9 @@ pub fn contradiction(
     let all: Vec<usize> = super::all_runs(experiment);
     let mut thin = thinned(experiment, ROWS);
     let whole = Judge { preset, runs: &all, deadline: deadline.clone() };
+    if let Some(unusable) = wrong_time(&whole, &thin, "every run")? {
+        return Ok(Err(unusable));
+    }
     let mut as_is = fitted(&whole, &thin)?;
     while !as_is.is_cut
         && !as_is.bad_runs().is_empty()

@@ -77,6 +77,33 @@ pub(super) fn search(
     Ok(Some(Unusable { channel, reason: reasons.join("; "), suggestion: suggestions.join("; ") }))
 }
 
+/// The unit of a time that is too long, if the model agrees with the data in that unit only. It makes every simulation of the data as they
+/// are long, and is therefore looked for before anything is fitted to them.
+pub(super) fn wrong_time(
+    judge: &Judge,
+    experiment: &Experiment,
+    files: &str,
+) -> Result<Option<Unusable>, CalibrateError> {
+    let before = judge.outputs(experiment, &judge.predicted(experiment));
+    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor < 1.0);
+    let mut best: Option<(f64, Mistake, Experiment)> = None;
+    for mistake in mistakes(experiment).into_iter().filter(|m| worst(&before) > PART && is_shorter(m)) {
+        let mut data = experiment.clone();
+        mistake.apply(&mut data, judge.runs);
+        let after = judge.outputs(&data, &judge.predicted(&data));
+        let fall = score(&after) - score(&before);
+        let least = best.as_ref().map_or(-FALL, |(least, ..)| *least);
+        if fall < least && agrees_more(&before, &after) {
+            best = Some((fall, mistake, data));
+        }
+    }
+    let Some((_, mistake, data)) = best else { return Ok(None) };
+    let as_meant = fitted(judge, &data)?;
+    let agrees = !as_meant.is_cut && as_meant.bad_runs().is_empty();
+    let (channel, reason, suggestion) = mistake.words(experiment, files);
+    Ok(agrees.then_some(Unusable { channel, reason, suggestion }))
+}
+
 /// Parameters of [set] and [prior] whose other value explains the unchanged data as well as the corrected mistakes: name, that value and
 /// the present one. A greater difference than [`FACTOR`] is none between a motor and its preset.
 fn other_values(
