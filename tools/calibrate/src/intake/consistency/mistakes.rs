@@ -3,6 +3,7 @@
 use super::super::ambient;
 use crate::experiment::units::{names, units};
 use crate::experiment::{CELSIUS, Channel, Experiment};
+use crate::levels::PART;
 use physics::declare::Unit;
 
 /// Hypothetical mistake: a change of the data.
@@ -192,6 +193,10 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     for plain in [true, false] {
         for ((as_stated, stated), (as_meant, meant)) in pairs().filter(|(s, _)| contract(s.0) == plain) {
             let factor = meant.factor / stated.factor;
+            // Two foreign units that differ by less than a sensor's gain or a missing effect are no explanation of their own.
+            if !plain && (1.0 / (1.0 + PART)..=1.0 + PART).contains(&factor) && of != Unit::Kelvin {
+                continue;
+            }
             let words = if plain {
                 format!("readings in {as_meant}")
             } else {
