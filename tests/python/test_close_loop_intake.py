@@ -108,7 +108,8 @@ def run(program, folder, change, *arguments):
 
 NIGHTLY = pytest.mark.nightly
 # In the everyday run one of each kind.
-EVERYDAY = ("speed of three pole pairs", "torque with the other sign in one run", "winding in degF", "housing comes off")
+EVERYDAY = ("speed of three pole pairs", "torque with the other sign in one run", "winding in degF", "time in ms",
+            "housing comes off")
 
 
 def cases(table):

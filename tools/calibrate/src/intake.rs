@@ -9,6 +9,7 @@
 
 mod clocks;
 mod consistency;
+mod dead_torque;
 mod departures;
 mod pulses;
 mod response;
@@ -91,6 +92,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
         return Err(Refusal::Unusable(unusable));
     }
     let spikes = signals::set_aside(experiment);
+    dead_torque::set_aside(experiment, preset)?;
     let references = consistency::contradiction(experiment, preset, deadline)?.map_err(Refusal::Unusable)?;
     if let Some(unusable) = start_elsewhere(experiment) {
         return Err(Refusal::Unusable(unusable));

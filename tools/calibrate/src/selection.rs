@@ -400,19 +400,37 @@ fn at_limit(addition: &Addition) -> Option<String> {
 mod tests {
     use super::*;
 
+    fn scored(name: &str, addition: Option<Addition>, evidence: f64) -> Scored {
+        Scored {
+            listed: addition.is_some(),
+            addition,
+            name: name.to_string(),
+            port: Port::DragTorque,
+            follows: Follows::Driver(Driver::Speed),
+            evidence,
+            raw: evidence + 10.0,
+            shape: Vec::new(),
+        }
+    }
+
+    /// Variants of one effect do not use up the places of others; two of them are fitted.
+    #[test]
+    fn variants_leave_room_for_other_effects() {
+        let experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let windage = || Some(crate::testing::addition(&setup, "windage", 1e-8));
+        let mut all: Vec<Scored> =
+            (0..9).map(|k| scored("windage in some runs", windage(), 90.0 - f64::from(k))).collect();
+        all.extend((0..9).map(|k| scored(&format!("effect {k}"), windage(), 80.0 - f64::from(k))));
+        let names: Vec<&str> = choose(&all).into_iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names.iter().filter(|n| n.starts_with("windage")).count(), 2, "{names:?}");
+        assert_eq!(names.len() - 2, CANDIDATES[0] - 1, "{names:?}");
+    }
+
     /// A candidate that could not be fitted is listed with the reason.
     #[test]
     fn a_failed_candidate_is_listed() {
-        let scored = Scored {
-            addition: None,
-            name: "drag_torque over speed".to_string(),
-            port: Port::DragTorque,
-            follows: Follows::Driver(Driver::Speed),
-            listed: false,
-            evidence: 80.0,
-            raw: 90.0,
-            shape: Vec::new(),
-        };
+        let scored = scored("drag_torque over speed", None, 80.0);
         let failed = vec![(scored, CalibrateError("the step size is too small".to_string()))];
         let round = Round { candidates: Vec::new(), taken: None, excuse: None, alike: Vec::new(), failed };
         let candidate_table = round.candidate_table(2);

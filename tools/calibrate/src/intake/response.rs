@@ -34,16 +34,19 @@ const UNPREDICTED: f64 = 0.5;
 const PARTS: [usize; 4] = [1, 2, 4, 8];
 /// Standard deviations of the noise, or resolutions, that count as a change. Derivation: two readings, each with an error within
 /// [`CERTAIN`], differ by less.
-const CLEAR: f64 = 2.0 * CERTAIN;
+pub const CLEAR: f64 = 2.0 * CERTAIN;
 /// Fraction of failed readings above which the sensor is set aside in the whole run. Definition: the majority.
 const WHOLE: f64 = 0.5;
 /// Fewest readings of a run for this check. Derivation: the noise is then known to 11 %, 1 / sqrt(2 n).
-const ENOUGH: usize = 40;
+pub const ENOUGH: usize = 40;
 /// Fraction of a deviation from which that of another thermometer confirms it. Derivation: without temperature differences in the motor
 /// both deviate equally, and a failed sensor alone does not move the other; this is the middle.
 const AGREES: f64 = 0.5;
 /// Quantile of a variation that ignores spikes, on either side. Numerical: 2 % of the readings.
 const TAIL: f64 = 0.02;
+
+/// A sensor that does not respond, in words.
+pub const DEAD: &str = "does not follow what drives it, as a dead or detached sensor does";
 
 /// Readings and prediction of one output in one run.
 struct Pair {
@@ -73,7 +76,8 @@ fn pair(experiment: &Experiment, predicted: &[Vec<f64>], run: usize, output: usi
     Pair { rows, read, model }
 }
 
-fn spread(values: &[f64]) -> f64 {
+/// Range of the values without [`TAIL`] on either side.
+pub fn spread(values: &[f64]) -> f64 {
     let all = sorted(values.iter().copied());
     let at = |share: f64| all[(share * (all.len() - 1) as f64) as usize];
     if all.is_empty() { 0.0 } else { at(1.0 - TAIL) - at(TAIL) }
@@ -121,6 +125,7 @@ pub fn set_aside(
         let ratio = if ratio.is_finite() { ratio.clamp(1.0 / FACTOR, FACTOR) } else { 1.0 };
         pairs.iter_mut().flat_map(|p| &mut p.model).for_each(|m| *m *= ratio);
         let moves = pairs.iter().map(|p| spread(&p.model)).fold(0.0, f64::max);
+        let is_predicted = is_sure[output] && !channel.is_temperature();
         let is_sure = is_sure[output] && channel.is_temperature();
         let own = |run: usize| off(output, output, run);
         let own: Vec<Vec<f64>> = (0..experiment.runs.len()).map(own).collect();
@@ -152,6 +157,12 @@ pub fn set_aside(
                     // A jump that neither prediction contains; they may differ on which side of it is wrong.
                     fit.moved().into_iter().for_each(|k| bad[k] = true);
                 }
+            }
+            if is_predicted && is_fitted {
+                // What the other outputs determine is no matter of the priors.
+                let dead = Judge { own: &of_fit, moves, doubt: &|_| 0.0, ..judge }.unmoved();
+                let (bad, _) = failed.get_or_insert_with(|| (vec![false; column.len()], DEAD));
+                dead.into_iter().for_each(|k| bad[k] = true);
             }
             failed = failed.filter(|(bad, _)| bad.contains(&true));
             if failed.is_none() && is_sure && is_fitted {
@@ -267,7 +278,7 @@ impl Judge<'_> {
             mark(self.jumped(), "jumps as no temperature does, as a loose contact does");
             mark(self.off_level(), "does not follow the heat, as a detached or open sensor does");
         }
-        mark(self.unmoved(), "does not follow what drives it, as a dead or detached sensor does");
+        mark(self.unmoved(), DEAD);
         why.map(|what| (bad, what))
     }
 

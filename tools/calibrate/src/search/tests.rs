@@ -159,3 +159,14 @@ fn effects_of_test_rigs_are_named() {
         assert!(fitted.chi_square < 2.0 * fitted.readings as f64, "{what}: {}", fitted.chi_square);
     }
 }
+
+/// A large effect is beyond its limit to first order and starts half way to it; one of the wrong sign is none.
+#[test]
+fn the_start_of_a_large_effect_is_inside_its_limits() {
+    assert_eq!(possible(0.0, 0.4, (0.0, 1.0)), Some(0.4));
+    assert_eq!(possible(0.0, 7.0, (0.0, 1.0)), Some(0.5));
+    assert_eq!(possible(0.0, -0.1, (0.0, 1.0)), None);
+    assert_eq!(possible(0.2, -9.0, (-1.0, 1.0)), Some(-0.4));
+    // At the limit already.
+    assert_eq!(possible(1.0, 0.5, (0.0, 1.0)), None);
+}

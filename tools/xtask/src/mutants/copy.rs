@@ -33,7 +33,7 @@ impl Copy {
     }
 }
 
-/// The manifest of a workspace with another version. In a shared target folder cargo tells crates apart by name and version,
+/// The manifest of a workspace with another version. In a shared target folder cargo distinguishes crates by name and version,
 /// not by their folder: with the same version, the next build of the workspace would take the broken crates as its own.
 fn renamed(manifest: &str) -> Outcome<String> {
     let (before, after) = manifest
