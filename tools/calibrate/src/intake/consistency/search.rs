@@ -85,7 +85,8 @@ pub(super) fn wrong_time(
     files: &str,
 ) -> Result<Option<Unusable>, CalibrateError> {
     let before = judge.outputs(experiment, &judge.predicted(experiment));
-    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor < 1.0);
+    // Time constants of a motor and of a preset of another size differ by tens, not by a thousand.
+    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor < 2e-3);
     let mut best: Option<(f64, Mistake, Experiment)> = None;
     for mistake in mistakes(experiment).into_iter().filter(|m| worst(&before) > PART && is_shorter(m)) {
         let mut data = experiment.clone();
