@@ -22,6 +22,9 @@ const SHORT: (usize, usize) = (16, 6);
 /// First and last difference of the common logarithm of a factor. Numerical: the factor is known to 1 %.
 const POWERS: (f64, f64) = (0.25, 0.005);
 
+/// Factor of time below which a preset of another size is no explanation. Limit: time constants of motors differ by tens, not by hundreds.
+const ANOTHER_SIZE: f64 = 1e-2;
+
 /// q of (1) and the best ratio of reading to prediction, by output; `None` without readings.
 type Agreement = Vec<Option<(f64, f64)>>;
 
@@ -85,8 +88,7 @@ pub(super) fn wrong_time(
     files: &str,
 ) -> Result<Option<Unusable>, CalibrateError> {
     let before = judge.outputs(experiment, &judge.predicted(experiment));
-    // Time constants of a motor and of a preset of another size differ by tens, not by a thousand.
-    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor < 2e-3);
+    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor < ANOTHER_SIZE);
     let mut best: Option<(f64, Mistake, Experiment)> = None;
     for mistake in mistakes(experiment).into_iter().filter(|m| worst(&before) > PART && is_shorter(m)) {
         let mut data = experiment.clone();
