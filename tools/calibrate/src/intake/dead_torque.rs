@@ -15,14 +15,13 @@ use crate::CalibrateError;
 use crate::experiment::Experiment;
 use crate::levels::FACTOR;
 use crate::noise;
-use crate::setup::Setup;
+use crate::simulate::Bench;
 use physics::declare::Unit;
 
 /// Sets aside the torque in each run in which its sensor is dead, with a note.
 pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), CalibrateError> {
-    let setup = Setup::new(experiment, preset)?;
-    let constant =
-        setup.bench.declaration().by_name("motor.k_t").map(|entry| setup.bench.start_of(entry.slot));
+    let bench = Bench::new(experiment, preset)?;
+    let constant = bench.declaration().by_name("motor.k_t").map(|entry| bench.start_of(entry.slot));
     let is_imposed = experiment.inputs.iter().any(|c| c.input == Some("imposed_speed"));
     let channels: Vec<_> = experiment.inputs.iter().chain(&experiment.outputs).copied().collect();
     let current = channels.iter().position(|c| c.unit == Unit::Ampere);
@@ -31,11 +30,10 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(
         return Ok(());
     };
     for run in &mut experiment.runs {
-        let column = |k: usize| run.table.columns[k].clone();
-        let (amperes, read) = (column(current), column(torque));
+        let (amperes, read) = (&run.table.columns[current], &run.table.columns[torque]);
         let known: Vec<usize> = (0..read.len()).filter(|k| (read[*k] + amperes[*k]).is_finite()).collect();
         let of = |column: &[f64]| -> Vec<f64> { known.iter().map(|k| column[*k]).collect() };
-        let (time, amperes, read) = (of(&run.table.time), of(&amperes), of(&read));
+        let (time, amperes, read) = (of(&run.table.time), of(amperes), of(read));
         let Some(sigma) = noise::of_column(&time, &read).filter(|_| known.len() >= ENOUGH) else { continue };
         let least = CLEAR * sigma;
         if spread(&read) < least && constant * spread(&amperes) / FACTOR > least {
