@@ -6,7 +6,7 @@
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role, Run, Start};
-use crate::initial;
+use crate::initial::{self, Warm};
 use crate::levels::CERTAIN;
 use crate::overrides::Override;
 use physics::model::{Declaration, Model, ModelType, Slot};
@@ -41,23 +41,19 @@ pub struct Drive {
     inputs: Vec<Vec<f64>>,
     /// Start values specific to this run.
     set: Vec<(Slot, f64)>,
-    /// Nodes that do not start at the ambient temperature: output, index among the outputs, first reading in K.
-    warm: Vec<(&'static str, usize, f64)>,
+    /// Sensors of the nodes that do not start at the ambient temperature; empty if the run starts there.
+    pub warm: Vec<Warm>,
 }
 
 /// Rows on either side over which an input is smoothed. Numerical: the mean of 13 readings has a quarter of their noise.
 const REACH: usize = 6;
 /// Rows on either side for the second average. Numerical: the mean of 97 readings has a tenth of their noise.
 const FAR: usize = 48;
-/// Tolerance between a sensor's indicated initial temperature and its first reading, K. Numerical: no thermometer resolves it.
-const SHOWN: f64 = 1e-9;
 /// Parameters with limits that end a run; the lowest temperature is a lower limit.
 const VALIDITY: &str = "validity.";
 const LOWEST: &str = "validity.lowest_temperature";
 /// Rows between checks of the deadline. Numerical: a check costs less than a row.
 const ROWS_A_LOOK: usize = 16;
-/// Iteration limit for the initial temperatures. Numerical: with a stem loss of one half, 50 iterations leave 1e-15 of the error.
-const TRIES: usize = 50;
 
 /// Outputs of a run by column, and the reason why it ends before its last row.
 pub type Ended = (Vec<Vec<f64>>, Option<String>);
@@ -121,8 +117,9 @@ impl Bench {
         if drive.warm.is_empty() {
             return Ok(Vec::new());
         }
+        let indicated = self.first_readings(drive, change)?;
         let mut model = self.set_up(drive, change)?;
-        Ok(self.named(&self.start(model.as_mut(), drive)?))
+        Ok(self.named(&self.start(model.as_mut(), drive, &indicated)?))
     }
 
     /// All start values with a change and the run's own settings, by full name; the last of duplicates applies.
@@ -156,14 +153,27 @@ impl Bench {
     /// # Errors
     /// The message of the model if it cannot start.
     pub fn begin(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
+        self.begin_at(drive, change, &self.first_readings(drive, change)?)
+    }
+
+    /// The same with these temperatures indicated by the sensors of [`Drive::warm`] at the start, K.
+    ///
+    /// # Errors
+    /// The message of the model if it cannot start.
+    pub fn begin_at(
+        &self,
+        drive: &Drive,
+        change: &Override,
+        indicated: &[f64],
+    ) -> Result<Box<dyn Model>, CalibrateError> {
         let mut model = self.set_up(drive, change)?;
-        self.start(model.as_mut(), drive)?;
+        self.start(model.as_mut(), drive, indicated)?;
         model.ease(self.ease);
         Ok(model)
     }
 
     /// Model with the change applied and the inputs of the first row.
-    fn set_up(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
+    pub fn set_up(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
         let mut model = self.template.boxed_clone();
         // The run's own settings override every trial value.
         let widest = if self.lenient { &self.widest[..] } else { &[] };
@@ -208,12 +218,26 @@ impl Bench {
         &self,
         drive: &Drive,
         model: &mut dyn Model,
+        see: impl FnMut(&mut dyn Model, usize),
+    ) -> Result<Option<String>, CalibrateError> {
+        self.along_rows(drive, drive.time.len(), model, see)
+    }
+
+    /// The same for the first rows of a run.
+    ///
+    /// # Errors
+    /// The message of the model if it cannot step.
+    pub fn along_rows(
+        &self,
+        drive: &Drive,
+        rows: usize,
+        model: &mut dyn Model,
         mut see: impl FnMut(&mut dyn Model, usize),
     ) -> Result<Option<String>, CalibrateError> {
         let mut ending = None;
-        for k in 0..drive.time.len() {
+        for k in 0..rows {
             see(model, k);
-            let Some(next) = drive.time.get(k + 1) else { break };
+            let Some(next) = drive.time[..rows].get(k + 1) else { break };
             if ending.is_some() {
                 continue;
             }
@@ -246,33 +270,10 @@ impl Bench {
     pub fn inputs(&self) -> &[Slot] {
         &self.inputs
     }
-
-    /// Initialises a model for a run. Nodes with known first readings get the initial temperatures for which their sensors indicate these
-    /// readings. A sensor with an offset or a stem loss does not indicate its node's temperature, so each initial temperature is corrected
-    /// iteratively by the deviation of its sensor. Returns the initial temperatures.
-    fn start(&self, model: &mut dyn Model, drive: &Drive) -> Result<Vec<(Slot, f64)>, CalibrateError> {
-        let mut known: Vec<(&str, f64)> =
-            drive.warm.iter().map(|(node, _, reading)| (*node, *reading)).collect();
-        let nodes = initial::nodes(model.declaration());
-        let mut tries = 0;
-        loop {
-            let initial = initial::temperatures(&nodes, &known);
-            model.start_with(&initial, drive.time[0]).map_err(refused)?;
-            let mut worst = 0.0f64;
-            for ((_, at), (_, output, reading)) in known.iter_mut().zip(&drive.warm) {
-                let off = reading - model.get(self.outputs[*output]);
-                *at += off;
-                worst = worst.max(off.abs());
-            }
-            tries += 1;
-            if worst <= SHOWN || tries == TRIES {
-                return Ok(initial);
-            }
-        }
-    }
 }
 
-fn refused(fault: physics::model::Fault) -> CalibrateError {
+/// The message of a model as an error.
+pub fn refused(fault: physics::model::Fault) -> CalibrateError {
     CalibrateError(fault.to_string())
 }
 
@@ -300,15 +301,10 @@ impl Drive {
         };
         let set = run.set.iter().filter(|(name, _)| !is_unknown(name));
         let set = set.filter_map(|(name, value)| Some((slot(name)?, *value))).collect();
-        let mut warm: Vec<(&str, usize, f64)> = Vec::new();
-        if run.start == Start::Measured {
-            for (k, channel) in experiment.outputs.iter().enumerate() {
-                let first = run.table.columns[experiment.inputs.len() + k].iter().find(|v| v.is_finite());
-                // If a node has several sensors, the first applies.
-                let node = channel.node().filter(|node| warm.iter().all(|(known, ..)| known != node));
-                warm.extend(node.zip(first).map(|(node, first)| (node, k, *first)));
-            }
-        }
+        let warm = match run.start {
+            Start::Measured => initial::sensors(experiment, run),
+            Start::Ambient => Vec::new(),
+        };
         // Noise near a limit (such as zero power) is clipped: an FMU rejects values outside the limits.
         for (column, channel) in inputs.iter_mut().zip(&experiment.inputs) {
             let entry = channel.input.and_then(|name| (model?.declaration)().by_name(name));

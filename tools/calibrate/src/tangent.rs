@@ -9,6 +9,7 @@
 //! *Assumes* small perturbations; large ones require simulation. *Source*: Hochbruck, Ostermann, Acta Numerica 19
 //! (2010), for the phi functions.
 
+mod adapted;
 mod influence;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ mod tests;
 use crate::CalibrateError;
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
+use adapted::Adapted;
 use nalgebra::DMatrix;
 use physics::model::{Model, Slot};
 use physics::terms::{Drivers, GenericTerm, Law, Port, Product};
@@ -79,6 +81,8 @@ pub struct Tangent {
     seen: Vec<f64>,
     /// The three matrices of (2) by rows, for each interval between rows.
     passes: Vec<f64>,
+    /// Adaptation of the initial temperatures; `None` if the run starts at the ambient temperature.
+    starts: Option<Adapted>,
 }
 
 /// Model at the states of one row.
@@ -109,10 +113,11 @@ impl Tangent {
         change: &Override,
         probes: &[Probe],
     ) -> Result<Tangent, CalibrateError> {
-        let mut model = bench.begin(drive, change)?;
-        let mut base = bench.begin(drive, change)?;
-        let mut moved: Vec<Option<Moved>> =
-            probes.iter().map(|probe| Moved::new(bench, drive, change, probe, model.as_ref())).collect();
+        let indicated = bench.first_readings(drive, change)?;
+        let mut model = bench.begin_at(drive, change, &indicated)?;
+        let mut base = bench.begin_at(drive, change, &indicated)?;
+        let beside = |probe| Moved::new(bench, drive, change, probe, &indicated, model.as_ref());
+        let mut moved: Vec<Option<Moved>> = probes.iter().map(beside).collect();
         let rows = drive.time.len();
         let outputs = bench.outputs();
         let mut first = Vec::new();
@@ -159,7 +164,7 @@ impl Tangent {
         })?;
         let passes = passes(&drive.time, &slopes);
         let directions = moved.into_iter().map(|m| m.map(|m| m.direction)).collect();
-        Ok(Tangent {
+        let mut tangent = Tangent {
             shown,
             time: drive.time.clone(),
             drivers,
@@ -170,7 +175,10 @@ impl Tangent {
             rates,
             seen,
             passes,
-        })
+            starts: None,
+        };
+        tangent.starts = Adapted::new(bench, drive, change, &tangent, &indicated);
+        Ok(tangent)
     }
 
     /// Variances of the outputs due to white noise on inputs, rows times outputs: due to the same row's reading, and in total. A current
@@ -218,10 +226,14 @@ impl Tangent {
     /// Response of the outputs, rows times outputs, to a direction multiplied by `shape` at each row.
     pub fn response(&self, direction: &Direction, shape: impl Fn(usize) -> f64) -> Vec<f64> {
         // Two nodes are the most common case; a constant size lets the compiler unroll the loops.
-        match self.states {
+        let mut answer = match self.states {
             2 => self.answer::<2>(direction, shape),
             n => self.answer_of(n, direction, shape),
+        };
+        if let Some(starts) = &self.starts {
+            starts.adapt(&mut answer);
         }
+        answer
     }
 
     fn answer<const N: usize>(&self, direction: &Direction, shape: impl Fn(usize) -> f64) -> Vec<f64> {
@@ -326,6 +338,7 @@ impl Moved {
         drive: &Drive,
         change: &Override,
         probe: &Probe,
+        indicated: &[f64],
         beside: &dyn Model,
     ) -> Option<Moved> {
         let mut aside = change.clone();
@@ -346,8 +359,8 @@ impl Moved {
             Probe::Input(k) => way = AT_PORT.1 * drive.scale(*k),
         }
         let model = match probe {
-            Probe::Input(k) => bench.begin(&drive.with_input_moved(*k, way), &aside).ok()?,
-            _ => bench.begin(drive, &aside).ok()?,
+            Probe::Input(k) => bench.begin_at(&drive.with_input_moved(*k, way), &aside, indicated).ok()?,
+            _ => bench.begin_at(drive, &aside, indicated).ok()?,
         };
         let (mut from, mut to) = (Vec::new(), Vec::new());
         beside.states(&mut from);

@@ -1,0 +1,66 @@
+//! Initial temperatures that are estimated from the first rows adapt to a perturbation.
+
+use super::{Direction, Tangent};
+use crate::initial::{Starts, Warm};
+use crate::overrides::Override;
+use crate::simulate::{Bench, Drive};
+
+/// Difference of an indicated initial temperature for its response, K. Numerical: half of the digits remain in the difference.
+const WARMER: f64 = 1e-3;
+
+/// What the estimate of the initial temperatures takes out of a response.
+#[derive(Clone, Debug)]
+pub struct Adapted {
+    warm: Vec<Warm>,
+    outputs: usize,
+    /// Response of all outputs at all rows, by sensor whose node starts 1 K warmer.
+    responses: Vec<Vec<f64>>,
+    starts: Starts,
+}
+
+impl Adapted {
+    /// `None` for a run whose initial temperatures are not estimated.
+    pub fn new(
+        bench: &Bench,
+        drive: &Drive,
+        change: &Override,
+        tangent: &Tangent,
+        indicated: &[f64],
+    ) -> Option<Adapted> {
+        if !drive.estimates_start() {
+            return None;
+        }
+        let (n, rows) = (tangent.states, tangent.time.len());
+        let responses = (0..drive.warm.len()).map(|k| {
+            let mut warmer = indicated.to_vec();
+            warmer[k] += WARMER;
+            let mut states = Vec::with_capacity(n);
+            bench.begin_at(drive, change, &warmer).ok()?.states(&mut states);
+            let start = states.iter().zip(&tangent.at).map(|(to, from)| (to - from) / WARMER).collect();
+            let direction =
+                Direction { start, rates: vec![0.0; rows * n], outputs: vec![0.0; rows * tangent.outputs] };
+            Some(tangent.response(&direction, |_| 1.0))
+        });
+        let responses: Vec<Vec<f64>> = responses.collect::<Option<_>>()?;
+        let (warm, outputs) = (drive.warm.clone(), tangent.outputs);
+        let starts = Starts::new(&warm, responses.iter().map(|r| indicated_by(&warm, outputs, r)).collect())?;
+        Some(Adapted { warm, outputs, responses, starts })
+    }
+
+    /// Subtracts from a response, rows times outputs, what the initial temperatures take over.
+    pub fn adapt(&self, response: &mut [f64]) {
+        let taken = self.starts.explaining(&self.warm, &indicated_by(&self.warm, self.outputs, response));
+        for (own, size) in self.responses.iter().zip(taken.iter()) {
+            response.iter_mut().zip(own).for_each(|(value, own)| *value -= size * own);
+        }
+    }
+}
+
+/// A response of these sensors at the rows of the estimate, by sensor and row.
+fn indicated_by(warm: &[Warm], outputs: usize, response: &[f64]) -> Vec<Vec<f64>> {
+    let of = |sensor: &Warm| {
+        let rows = response.iter().skip(sensor.output).step_by(outputs);
+        rows.take(sensor.rows()).copied().collect()
+    };
+    warm.iter().map(of).collect()
+}
