@@ -85,7 +85,7 @@ def markdown(motors: dict) -> str:
         operating range of a motor at its nominal voltage: the speed-torque line from no-load speed to stall torque, and the range of
         continuous operation, bounded by the winding's maximum temperature. Its point of continuous operation (nominal torque at
         nominal speed) is compared with the continuous torque of the model with the preset of the motor, which has the datasheet's
-        thermal resistances and is fitted to nothing. With the torque constant at 25 °C, as catalogues compute it, {len(cold)} of {len(motors)} motors agree within
+        thermal resistances and is not fitted to measurements. With the torque constant at 25 °C, as catalogues compute it, {len(cold)} of {len(motors)} motors agree within
         {100 * GOAL:.0f} %; with warm magnets {len(warm)}."""
     )
     text += f"\n\n![Continuous torque over speed of the model, speed-torque line and printed nominal point]({FIGURE})\n\n"

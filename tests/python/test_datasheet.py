@@ -219,7 +219,7 @@ def test_time_to_the_limit_of_the_tutorial(motor_fmu, tmp_path):
     text = DOC.read_text()
     sheet = text.split("```toml\n")[1].split("```")[0]
     (tmp_path / "sheet.toml").write_text(sheet)
-    for command in (["preset", "new", "--from", "sheet.toml"], ["build", "AnnulusCooledMotor", "--fmi", "2", "--preset", "my-re40.toml"]):
+    for command in (["preset", "new", "--from", "sheet.toml"], ["build", "AnnulusCooledMotor", "--fmi", "2", "--preset", "my-re40.toml", "--out", "re40"]):
         assert motor_fmu(*command).returncode == 0
     steps = text.split("## 5.")[1].split("```sh\n")[1].split("```")[0]
     done = motor_fmu(*shlex.split(steps.replace("\\\n", " "))[1:])

@@ -26,7 +26,8 @@ pub struct Start {
     /// Start values: a built-in preset's name or a TOML file
     #[arg(long, value_name = "NAME|FILE")]
     preset: Option<String>,
-    /// Set a parameter or input in SI units; an enumeration by the name of an item. May be repeated
+    /// Set a parameter or input, in SI units or with any unit of the quantity (`"3000 rpm"`); an enumeration by the name of an item. May be
+    /// repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = crate::simulate::setting)]
     sets: Vec<(String, String)>,
 }
