@@ -3,7 +3,7 @@
 //! minimise  sum_k [(y_k - y(t_k; p)) / sigma]^2 + sum_j [(p_j - p_j0) / s_j]^2             (1)
 //!
 //! The first sum includes all evaluated rows of the fitted runs. p_j0 is the preset's value and s_j the standard deviation of its prior;
-//! parameters of an addition have no prior. A parameter with a wide prior ([`WIDE`]) can be wrong by a factor. The first fit therefore
+//! the values of a table have the prior of a smooth law ([`crate::search`]), other parameters of an addition none. A parameter with a wide prior ([`WIDE`]) can be wrong by a factor. The first fit therefore
 //! uses several starts and the logarithms of such parameters, so that it converges from any start, and then the parameters
 //! themselves. Sensitivities come from the linearised model ([`crate::tangent`]) and are reused for several steps: near the optimum they
 //! hardly change, and a step then costs one simulation.
@@ -197,7 +197,9 @@ impl Setup<'_> {
             .filter(|(d, _)| !d.is_free)
             .map(|(d, value)| ((value - d.prior) / d.deviation).powi(2))
             .sum();
-        Ok(Fitted { hypothesis, shown, chi_square, cost: chi_square + prior, readings })
+        let laws: f64 =
+            hypothesis.priors().iter().map(|(_, values, precision)| values.dot(&(*precision * values))).sum();
+        Ok(Fitted { hypothesis, shown, chi_square, cost: chi_square + prior + laws, readings })
     }
 
     /// Fits the parameters of a hypothesis to runs, starting from their current values.
@@ -433,6 +435,12 @@ impl Problem for Fit<'_> {
         for (k, scale) in self.scales.iter().enumerate().filter(|(_, s)| s.prior.is_some()) {
             information[(k, k)] += scale.slope(numbers[k]).powi(2);
         }
+        for (place, values, precision) in fitted.hypothesis.priors() {
+            for (a, b) in (0..values.len()).flat_map(|a| (0..values.len()).map(move |b| (a, b))) {
+                information[(place + a, place + b)] +=
+                    precision[(a, b)] * self.scales[place + a].unit * self.scales[place + b].unit;
+            }
+        }
         Ok((columns, information))
     }
 
@@ -448,6 +456,11 @@ impl Problem for Fit<'_> {
         for (k, (scale, number)) in self.scales.iter().zip(fitted.hypothesis.numbers()).enumerate() {
             let off = scale.prior.map_or(0.0, |prior| (number - prior) / scale.unit);
             gradient[k] += off * scale.slope(number);
+        }
+        for (place, values, precision) in fitted.hypothesis.priors() {
+            for (k, pull) in (precision * values).iter().enumerate() {
+                gradient[place + k] += pull * self.scales[place + k].unit;
+            }
         }
         gradient
     }

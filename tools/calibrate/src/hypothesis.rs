@@ -2,6 +2,7 @@
 
 use crate::outcome::Follows;
 use crate::overrides::Override;
+use nalgebra::{DMatrix, DVector};
 use physics::components::sensor::lagged;
 use physics::model::Slot;
 use physics::terms::{Driver, Drivers, Factor, GenericTerm, Lag, Law, Port, Product, Table};
@@ -46,6 +47,8 @@ pub enum Shape {
         driver: Driver,
         /// The points.
         knots: Vec<f64>,
+        /// Inverse of the prior covariance of the values: the data do not determine those that they do not contain.
+        precision: DMatrix<f64>,
     },
 }
 
@@ -164,12 +167,21 @@ impl Addition {
                 let factors = [(factor.exponent != 0.0).then_some(factor), None, None];
                 Law::Product(Product { coefficient, factors })
             }
-            Shape::Table { driver, knots } => {
+            Shape::Table { driver, knots, .. } => {
                 let values: Vec<f64> = self.numbers[..knots.len()].iter().map(|n| n.value).collect();
                 Law::Table(Table::new(*driver, knots, &values)?)
             }
         };
         Some(GenericTerm { port: self.port, law, lag: self.lag() })
+    }
+
+    /// The values of a table and the inverse of their prior covariance; their prior mean is zero.
+    fn prior(&self) -> Option<(DVector<f64>, &DMatrix<f64>)> {
+        let Shape::Table { knots, precision, .. } = &self.shape else { return None };
+        Some((
+            DVector::from_iterator(knots.len(), self.numbers[..knots.len()].iter().map(|n| n.value)),
+            precision,
+        ))
     }
 
     /// Adds this addition to the overrides of a model.
@@ -199,7 +211,7 @@ impl Addition {
                     0.0
                 }
             }
-            Shape::Table { driver, knots } => hat(knots, number, drivers.of(*driver)),
+            Shape::Table { driver, knots, .. } => hat(knots, number, drivers.of(*driver)),
         }
     }
 }
@@ -236,6 +248,17 @@ impl Hypothesis {
     pub fn numbers(&self) -> Vec<f64> {
         let added = self.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
         self.declared.iter().copied().chain(added.map(|n| n.value)).collect()
+    }
+
+    /// The tables: place of the first value in [`numbers`](Hypothesis::numbers), values, inverse of their prior covariance.
+    pub fn priors(&self) -> Vec<(usize, DVector<f64>, &DMatrix<f64>)> {
+        let mut place = self.declared.len();
+        let mut all = Vec::new();
+        for addition in &self.additions {
+            all.extend(addition.prior().map(|(values, precision)| (place, values, precision)));
+            place += addition.numbers.iter().filter(|n| n.sloped).count();
+        }
+        all
     }
 
     /// Sets the values of [`numbers`](Hypothesis::numbers).
@@ -349,7 +372,10 @@ mod tests {
         let term = addition(Shape::Power { factor }, &[0.3, 0.7]).term().unwrap();
         let Law::Product(product) = term.law else { panic!("{term:?}") };
         assert_eq!((product.coefficient, product.factors[0].unwrap().exponent), (0.3, 0.7));
-        let table = addition(Shape::Table { driver: Driver::Speed, knots: vec![0.0, 10.0] }, &[1.0, 3.0]);
+        let table = addition(
+            Shape::Table { driver: Driver::Speed, knots: vec![0.0, 10.0], precision: DMatrix::zeros(2, 2) },
+            &[1.0, 3.0],
+        );
         assert!(matches!(table.term().unwrap().law, Law::Table(_)));
         let mut change = Override::default();
         table.apply(&mut change);
@@ -365,7 +391,10 @@ mod tests {
             addition(Shape::Listed { slots: Vec::new(), with: Vec::new(), stores: false }, &[5.0]);
         second.numbers.push(number(77.0, false));
         second.numbers.push(number(6.0, true));
-        let first = addition(Shape::Table { driver: Driver::Speed, knots: vec![0.0, 1.0] }, &[3.0, 4.0]);
+        let first = addition(
+            Shape::Table { driver: Driver::Speed, knots: vec![0.0, 1.0], precision: DMatrix::zeros(2, 2) },
+            &[3.0, 4.0],
+        );
         let mut hypothesis = Hypothesis { declared: vec![1.0, 2.0], additions: vec![first, second] };
         assert_eq!(hypothesis.numbers(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         let others: Vec<f64> = (10..16).map(f64::from).collect();

@@ -156,6 +156,20 @@ fn alike(knots: &[f64]) -> DMatrix<f64> {
     DMatrix::from_fn(knots.len(), knots.len(), |a, b| (-(knots[a] - knots[b]).abs() / span).exp())
 }
 
+/// A table whose values have the prior of (4) in `evidence.rs` with the variance q that the data give.
+///
+/// q = [v' K^-1 v + tr(K^-1 S)] / n,   v and S: mean and covariance of the n values given the data                     (1)
+///
+/// *Source*: MacKay, Neural Computation 4 (1992) 415-447: at the most probable q; K correlates neighbouring values ([`alike`]).
+fn table(driver: Driver, knots: Vec<f64>, gain: &Gain) -> Shape {
+    let n = knots.len();
+    let values = gain.size.rows(0, n);
+    let precision = alike(&knots).cholesky().map_or_else(|| DMatrix::zeros(n, n), |factor| factor.inverse());
+    let spread = (&precision * gain.covariance.view((0, 0), (n, n))).trace();
+    let q = (values.dot(&(&precision * values)) + spread) / n as f64;
+    Shape::Table { driver, knots, precision: precision / q }
+}
+
 /// Offset and reference value of a driver.
 fn scale(point: &Linearization, driver: Driver) -> Factor {
     let offset = match driver {
@@ -422,7 +436,7 @@ fn smooth(point: &Linearization, port: Port, driver: Driver, per_number: f64) ->
         port,
         follows: Follows::Driver(driver),
         numbers,
-        shape: Shape::Table { driver, knots },
+        shape: table(driver, knots, &gain),
         active: vec![true; point.setup.experiment.runs.len()],
         late: None,
     });

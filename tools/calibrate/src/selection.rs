@@ -4,7 +4,7 @@
 //! cost = -2 log p + ln n for each parameter, n the number of blocks (Schwarz, Annals of Statistics 6 (1978) 461-464)     (1)
 //!
 //! The acceptance tests, in this order: (1) decreases by more than 10, both for white and for autocorrelated noise; sign and size are
-//! physical; all runs agree on the size; the validation error decreases. With the cost alone, effects would be found on every bench with
+//! physical; all runs agree on the size; the validation error decreases by more than structure error. With the cost alone, effects would be found on every bench with
 //! drifting thermocouples.
 
 mod gate;
@@ -17,7 +17,7 @@ use crate::outcome::{Evidence, Follows};
 use crate::search::{Scored, choice};
 use crate::setup::Setup;
 use gate::gate;
-pub use gate::{acting, predicts_where_it_acts};
+pub use gate::{acting, asked, predicts_where_it_acts};
 use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 

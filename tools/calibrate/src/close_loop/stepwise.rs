@@ -7,7 +7,7 @@ use crate::levels::{LEAD, NEARLY};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, search};
-use crate::selection::{Candidate, LEAST, NEAR, Round, compete, predicts_where_it_acts};
+use crate::selection::{Candidate, LEAST, NEAR, Round, asked, compete, predicts_where_it_acts};
 use physics::terms::MOST_TERMS;
 
 /// Largest number of passes over all additions. Numerical: a pass without a change is the last.
@@ -159,8 +159,12 @@ impl<'a> Search<'a> {
         let without = Linearization::judged(self.setup, refit, &runs)?;
         let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
         let whole = self.rounds.last().map_or(f64::INFINITY, cost);
-        // If the others explain the residual without it, the first choice was a substitute for them.
-        if self.rounds.len() > 1 && without.evidence.cost().0 < whole + LEAST {
+        // If the others explain the residual without it, the first choice was a substitute for them: it would not be added to them.
+        let falls = |with: &Linearization| {
+            let (before, after) = (without.evidence.cost(), with.evidence.cost());
+            (before.0 - after.0).min(before.1 - after.1)
+        };
+        if self.rounds.len() > 1 && falls(self.point()) < asked(&without, self.point()) {
             self.rounds.remove(0);
             if let Some(last) = self.rounds.pop() {
                 self.rounds.push(last.with_point(without));

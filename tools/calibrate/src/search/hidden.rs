@@ -162,6 +162,6 @@ fn table(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_numbe
     };
     let mut numbers: Vec<Number> = knots.iter().enumerate().map(value).collect();
     numbers.push(time_constant(late, taus));
-    found.addition = Some(addition(point, port, late, Shape::Table { driver, knots }, numbers));
+    found.addition = Some(addition(point, port, late, super::table(driver, knots, &gain), numbers));
     Some(found)
 }

@@ -18,7 +18,7 @@ type Judged = (Option<f64>, Option<String>);
 /// Applies the acceptance tests: ratio of validation errors with and without the candidate, and the reason for rejection.
 pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, CalibrateError> {
     let (white, raw) = candidate.delta;
-    let asked = if outweighs(before, candidate) { LEAST } else { DECISIVE };
+    let asked = asked(before, &candidate.point);
     if candidate.sure() <= asked {
         let sentence = format!(
             "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {asked} is asked for, because \
@@ -39,9 +39,9 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
     if let Some(sentence) = unlike {
         return Ok((validation, Some(sentence)));
     }
-    if let Some(ratio) = validation.filter(|ratio| *ratio >= 1.0) {
-        let sentence =
-            format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
+    if let Some(ratio) = validation.filter(|ratio| *ratio >= 1.0 - STRUCTURE) {
+        let how = if ratio < 1.0 { "hardly predicted better" } else { "predicted worse" };
+        let sentence = format!("what was not fitted is {how}: {ratio:.3} times the error without it");
         return Ok((validation, Some(sentence)));
     }
     if let Some(fall) = foretold.map(|f| f.fall).filter(|fall| *fall < NEAR) {
@@ -53,12 +53,17 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
     Ok((validation, None))
 }
 
+/// Decrease of the cost that is asked for an addition, from the model without it to the model with it.
+pub fn asked(before: &Linearization, with: &Linearization) -> f64 {
+    if outweighs(before, with) { LEAST } else { DECISIVE }
+}
+
 /// Whether an effect is larger than structure error can be: an output's mean square error in the fit runs halves, and what it falls by is
 /// above the structure error of that output.
-fn outweighs(before: &Linearization, candidate: &Candidate) -> bool {
+fn outweighs(before: &Linearization, with: &Linearization) -> bool {
     let setup = before.setup;
     let squares = |point: &Linearization| setup.squares(&before.runs, &point.fitted.shown);
-    let pairs = squares(before).into_iter().zip(squares(&candidate.point)).enumerate();
+    let pairs = squares(before).into_iter().zip(squares(with)).enumerate();
     pairs.into_iter().any(|(output, ((without, count), (with, _)))| {
         let (size, _) = mean_square(setup.experiment, &before.runs, output);
         with < AHEAD * AHEAD * without && without - with > STRUCTURE * STRUCTURE * size * count as f64
