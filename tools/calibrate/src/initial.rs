@@ -212,6 +212,48 @@ mod tests {
             .collect()
     }
 
+    /// 400 rows of a motor that cools down from 60 and 50 degC, with noise, and with a first reading that is wrong by 2 K.
+    #[test]
+    fn a_wrong_first_reading_does_not_shift_the_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "[experiment]\nname = \"a\"\nmodel = \"AnnulusCooledMotor\"\npreset = \"maxon-305015\"\n\
+                    inputs = [\"electrical_power_W\", \"ambient_temperature_degC\"]\n\
+                    outputs = [\"winding_temperature_degC\", \"housing_temperature_degC\"]\n\
+                    [set]\ncooling_mode = \"conductance\"\n\
+                    [[run]]\nfile = \"a.csv\"\nrole = \"fit\"\nstart = \"measured\"\n";
+        let rows: String = (0..400).map(|k| format!("{},2,20,60,50\n", 4 * k)).collect();
+        let head = "time_s,electrical_power_W,ambient_temperature_degC,winding_temperature_degC,housing_temperature_degC\n";
+        std::fs::write(folder.path().join("a.csv"), format!("{head}{rows}")).unwrap();
+        std::fs::write(folder.path().join("e.toml"), text).unwrap();
+        let mut experiment = Experiment::read(&folder.path().join("e.toml")).unwrap();
+        let bench = Bench::new(&experiment, &[]).unwrap();
+        let lag = bench.declaration().by_name("effect.housing_sensor_lag.tau").unwrap().slot;
+        let mut rng = crate::testing::rng(1);
+        for late in [0.0, 30.0] {
+            let change = Override { values: vec![(lag, late)], ..Override::default() };
+            let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
+            let truth = [333.15, 323.15];
+            let mut model = bench.begin_at(&drive, &change, &truth).unwrap();
+            let mut shown = vec![Vec::new(); 2];
+            bench
+                .along(&drive, model.as_mut(), |model, _| {
+                    for (column, slot) in shown.iter_mut().zip(bench.outputs()) {
+                        column.push(model.get(*slot) + 0.2 * crate::testing::normal(&mut rng));
+                    }
+                })
+                .unwrap();
+            shown[1][0] += 2.0;
+            experiment.runs[0].table.columns.splice(2.., shown);
+            let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
+            let found = bench.first_readings(&drive, &change).unwrap();
+            // 20 rows: 0.2 / sqrt(20) = 0.045 K, and a twentieth of 2 K; a winding that cools down faster has fewer.
+            assert!(
+                (found[1] - truth[1]).abs() < 0.25 && (found[0] - truth[0]).abs() < 0.5,
+                "{late} {found:?}"
+            );
+        }
+    }
+
     #[test]
     fn a_node_that_is_not_known_takes_the_nearest() {
         let motor =

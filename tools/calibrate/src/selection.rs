@@ -89,12 +89,16 @@ impl<'a> Round<'a> {
     }
 
     /// The candidate that explains most but has a greater validation error, if it explains a lot: another missing effect may cause the
-    /// validation error.
+    /// validation error. A law that was accepted may stand in for both, if the candidate is an effect at its port.
     pub fn promising(&self) -> Option<usize> {
-        let predicts_worse = |c: &Candidate| c.validation.is_some_and(|ratio| ratio >= 1.0);
         let first = self.candidates.iter().position(|c| at_limit(c.addition()).is_none())?;
         let best = &self.candidates[first];
-        (self.taken.is_none() && predicts_worse(best) && best.sure() > DECISIVE).then_some(first)
+        let predicts_worse = best.validation.is_some_and(|ratio| ratio >= 1.0) && best.refused.is_some();
+        let is_behind = self.winner().is_none_or(|taken| {
+            let (own, other) = (best.addition(), taken.addition());
+            own.is_listed() && !other.is_listed() && own.port == other.port
+        });
+        (predicts_worse && is_behind && best.sure() > DECISIVE).then_some(first)
     }
 
     /// The same round with a candidate accepted although it fails an acceptance test, with the reason.
@@ -191,7 +195,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     let best = first.map_or(0.0, Candidate::sure);
     let is_late = |c: &Candidate| c.addition().late.is_some();
     let is_best_late = first.is_some_and(is_late);
-    let near = if is_best_late { LEAST.max(best * STRUCTURE) } else { LEAST };
+    let near = LEAST.max(best * STRUCTURE);
     let stands = |c: &Candidate| {
         let is_simple = c.addition().is_listed() || (is_best_late && !is_late(c));
         is_simple && best - c.sure() < near

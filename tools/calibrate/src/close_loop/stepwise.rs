@@ -28,10 +28,7 @@ impl<'a> Search<'a> {
             let round = compete(self.point(), &self.point().fitted.hypothesis, self.left());
             let taken = match round.promising().filter(|_| self.rounds.is_empty()) {
                 Some(k) => self.together(round, k),
-                None => {
-                    self.rounds.push(round);
-                    self.rounds.last().is_some_and(|r| r.taken.is_some())
-                }
+                None => self.push(round),
             };
             if !taken {
                 break;
@@ -53,6 +50,13 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Appends a round; returns whether it has an accepted candidate.
+    fn push(&mut self, round: Round<'a>) -> bool {
+        let is_taken = round.taken.is_some();
+        self.rounds.push(round);
+        is_taken
+    }
+
     /// Scores the candidate additions to the current model.
     fn look_on(&self) -> Result<Vec<Scored>, CalibrateError> {
         Ok(search(&Linearization::new(self.setup, self.point().fitted.clone(), &self.first.runs)?))
@@ -60,14 +64,14 @@ impl<'a> Search<'a> {
 
     /// Tests a candidate with high evidence and a worse validation error jointly with a second addition. It is accepted if both
     /// together reduce the validation error. It is also accepted if no residual remains in the fit runs and the outputs that it acts on
-    /// are predicted better: the other outputs then contain an unmodelled effect. Returns whether it was accepted.
+    /// are predicted better: the other outputs then contain an unmodelled effect. Otherwise the round stays as it is. Returns whether it
+    /// has an accepted candidate.
     fn together(&mut self, round: Round<'a>, k: usize) -> bool {
         // A candidate that cannot be linearised is refused.
         let Ok(point) =
             Linearization::new(self.setup, round.candidates[k].point.fitted.clone(), &self.first.runs)
         else {
-            self.rounds.push(round);
-            return false;
+            return self.push(round);
         };
         let scored = search(&point);
         let alone = scored.first().is_none_or(|s| s.sure() <= LEAST);
@@ -79,8 +83,7 @@ impl<'a> Search<'a> {
         }
         let second = compete(&point, &point.fitted.hypothesis, &scored);
         if !second.passes_beside(self.point()) {
-            self.rounds.push(round);
-            return false;
+            return self.push(round);
         }
         self.rounds.push(
             round.with_taken(k, "explains most of all; together with what comes next it passes the gate"),

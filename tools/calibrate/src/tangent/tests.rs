@@ -21,6 +21,16 @@ role = "fit"
 /// difference of two simulations.
 #[test]
 fn answers_are_those_of_simulations() {
+    check_answers("", ",");
+}
+
+/// The same for a run whose initial temperatures are estimated: the estimate takes over a part of the response.
+#[test]
+fn answers_adapt_the_start_as_simulations_do() {
+    check_answers("start = \"measured\"\n", "60,45");
+}
+
+fn check_answers(start: &str, temperatures: &str) {
     let folder = tempfile::tempdir().unwrap();
     let mut csv = String::from(
         "time_s,current_A,speed_rad_per_s,fan_command_1,ambient_temperature_degC,voltage_V,shaft_torque_Nm,\
@@ -30,10 +40,10 @@ fn answers_are_those_of_simulations() {
         let t = 5.0 * f64::from(k);
         let (i, w) = (3.0 + 2.0 * (t / 90.0).sin(), 300.0 + 250.0 * (t / 130.0).cos());
         let n = if k > 200 { 0.6 } else { 0.0 };
-        csv.push_str(&format!("{t},{i},{w},{n},23,,,,\n"));
+        csv.push_str(&format!("{t},{i},{w},{n},23,,,{temperatures}\n"));
     }
     std::fs::write(folder.path().join("run.csv"), csv).unwrap();
-    std::fs::write(folder.path().join("experiment.toml"), TOML).unwrap();
+    std::fs::write(folder.path().join("experiment.toml"), format!("{TOML}{start}")).unwrap();
     let experiment = Experiment::read(&folder.path().join("experiment.toml")).unwrap();
     let bench = Bench::new(&experiment, &[]).unwrap();
     let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
