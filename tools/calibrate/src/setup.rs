@@ -82,6 +82,11 @@ impl Declared {
         self.runs.as_ref().is_none_or(|runs| runs.contains(&run))
     }
 
+    /// Whether a value is inside the limits; a value at a limit stands in for something else.
+    pub fn is_inside(&self, value: f64) -> bool {
+        self.limits.0 < value && value < self.limits.1
+    }
+
     /// Whether a value is so far from the prior that it compensates for another effect.
     pub fn astray(&self, value: f64) -> bool {
         (value - self.prior).abs() > ASTRAY * self.deviation

@@ -55,7 +55,7 @@ impl Released<'_> {
             .iter()
             .zip(&self.fitted.hypothesis.declared)
             .find(|(d, _)| d.name == self.name);
-        own.is_some_and(|(d, value)| d.limits.0 < *value && *value < d.limits.1)
+        own.is_some_and(|(d, value)| d.is_inside(*value))
     }
 }
 
@@ -74,7 +74,6 @@ pub fn best<'a>(point: &Linearization<'a>, least: f64) -> Option<Released<'a>> {
     let starts = near.into_par_iter().map(|own| (point, own));
     let starts = starts.chain(far.into_par_iter().filter_map(|own| Some((preset.as_ref()?, own))));
     let all = starts.filter_map(|(start, (_, own, value))| fitted(point, &start.fitted, own, value).ok());
-    // A value at a limit stands in for something else.
     let all = all.filter(|own| own.is_inside());
     all.max_by(|a, b| a.fall.total_cmp(&b.fall))
 }

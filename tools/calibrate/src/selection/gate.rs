@@ -30,6 +30,9 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
     if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
         return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
     }
+    if let Some(sentence) = to_a_limit(before, candidate) {
+        return Ok((None, Some(sentence)));
+    }
     if let Some(sentence) = within_calibration(candidate) {
         return Ok((None, Some(sentence)));
     }
@@ -68,6 +71,17 @@ fn outweighs(before: &Linearization, with: &Linearization) -> bool {
         let (size, _) = mean_square(setup.experiment, &before.runs, output);
         with < AHEAD * AHEAD * without && without - with > STRUCTURE * STRUCTURE * size * count as f64
     })
+}
+
+/// Sentence on a declared parameter that reaches a limit with a candidate: the candidate then explains with a parameter that has no plausible
+/// value.
+fn to_a_limit(before: &Linearization, candidate: &Candidate) -> Option<String> {
+    let values = |point: &Linearization| point.fitted.hypothesis.declared.clone();
+    let pairs = values(before).into_iter().zip(values(&candidate.point));
+    let mut all = candidate.point.setup.declared.iter().zip(pairs);
+    let (own, (_, value)) =
+        all.find(|(own, (before, with))| own.is_inside(*before) && !own.is_inside(*with))?;
+    Some(format!("{} reaches its limit {value:.4} {} with it", own.name, own.unit))
 }
 
 /// Sentence on a listed sensor effect that is smaller than the calibration accuracy.
