@@ -87,3 +87,45 @@ fn one_that_stands_at_its_limit_does_not_stop_the_others() {
         }
     }
 }
+
+/// A table over the speed with a point that no row reaches: its value follows from its neighbour by the prior, whatever the fit starts with.
+#[test]
+fn a_point_without_data_has_the_value_of_its_prior() {
+    use crate::hypothesis::{Addition, Number, Shape};
+    use crate::outcome::Follows;
+    use physics::terms::{Driver, Factor};
+    let mut experiment = testing::experiment(PRIORS, true);
+    let truth = preset(&experiment);
+    let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 300.0, exponent: 1.0 };
+    let law = Law::Product(Product { coefficient: 1e-3, factors: [Some(factor), None, None] });
+    testing::read(&mut experiment, &truth, Some(GenericTerm::new(Port::DragTorque, law)));
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    // The speed of the run is 100 to 500 rad/s.
+    let knots = vec![100.0, 500.0, 1500.0];
+    let like = |a: f64, b: f64| f64::exp(-(a - b).abs() / 1400.0);
+    let kernel = DMatrix::from_fn(3, 3, |a, b| like(knots[a], knots[b]) * 2e-3f64.powi(2));
+    let expected = like(500.0, 1500.0);
+    let number = |value: f64| Number {
+        symbol: "value".to_string(),
+        value,
+        limits: (f64::NEG_INFINITY, f64::INFINITY),
+        unit: "N.m",
+        scale: 1e-4,
+        sloped: true,
+    };
+    let table = Addition {
+        id: "generic_term".to_string(),
+        port: Port::DragTorque,
+        follows: Follows::Driver(Driver::Speed),
+        shape: Shape::Table { driver: Driver::Speed, knots, precision: kernel.try_inverse().unwrap() },
+        numbers: [0.0, 0.0, 0.5].map(number).to_vec(),
+        active: vec![true],
+        late: None,
+    };
+    let start = Hypothesis { additions: vec![table], ..setup.preset() };
+    let found = setup.fit(start, &[0]).unwrap().hypothesis;
+    let values: Vec<f64> = found.additions[0].numbers.iter().map(|n| n.value).collect();
+    // The Coulomb friction takes over a constant.
+    assert!(((values[1] - values[0]) / (1e-3 * 400.0 / 300.0) - 1.0).abs() < 0.01, "{values:?}");
+    assert!((values[2] / values[1] - expected).abs() < 1e-3, "{values:?}, {expected}");
+}
