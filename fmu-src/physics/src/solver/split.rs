@@ -162,7 +162,7 @@ pub struct Split<const N: usize> {
 impl<const N: usize> Default for Split<N> {
     /// No frozen blocks: the first step computes both.
     fn default() -> Self {
-        let (fast, thermal) = (Phi::new(Matrix2::zeros(), 0.0), Phi::new(SMatrix::zeros(), 0.0));
+        let (fast, thermal) = (Phi::none(), Phi::none());
         let squares = Squares::of(fast.matrix());
         Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial: f64::INFINITY }
     }

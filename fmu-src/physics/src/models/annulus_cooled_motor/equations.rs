@@ -396,20 +396,6 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         effects.housing_to_ambient(t_h, t_a) + self.model.conductance.G_still * effects.still_air(t_h - t_a)
     }
 
-    /// Stored energy, J: magnetic and kinetic unless imposed, and heat above the temperature `origin`, K.
-    pub fn stored(&self, state: &State<NODES>, origin: f64) -> f64 {
-        let (i, w) = (state.x[0], state.x[1]);
-        self.magnetic(i) + self.kinetic(w) + self.constants.heat(&state.temperature, origin)
-    }
-
-    fn magnetic(&self, i: f64) -> f64 {
-        if self.is_voltage_driven() { 0.5 * self.model.motor.L * i * i } else { 0.0 }
-    }
-
-    fn kinetic(&self, w: f64) -> f64 {
-        if self.is_free() { 0.5 * self.model.motor.J * w * w } else { 0.0 }
-    }
-
     /// Voltages and torques at one instant.
     #[inline(always)]
     fn ends(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Ends {
