@@ -1,6 +1,6 @@
 //! FMI 3 arrays: the segments of the housing, whose number is a structural parameter.
 
-use crate::common::{CS3, Importer, ME3, Succeeds, filled, vr};
+use crate::common::{CS3, Importer, ME3, Succeeds, filled, shortened, vr};
 use motor_fmu::fmi3::*;
 use motor_fmu::logger::Status;
 
@@ -19,24 +19,23 @@ fn refusal(motor: &Importer, name: &str, count: usize) {
 
 #[test]
 fn an_array_has_as_many_values_as_the_parameter_says() {
-    for count in [1, 5, 8, 13, 64] {
+    for count in [1, 5, 8, 13, 64].into_iter().take(shortened(5, 3)) {
         let motor = Importer::motor(CS3).segments(count).started(PUSHED);
-        motor.ended(0.0, 60.0);
+        // In Miri too short for a difference in temperature.
+        let end = if cfg!(miri) { 0.1 } else { 60.0 };
+        motor.ended(0.0, end);
         let n = count as usize;
         let warm = housing(&motor, n);
         // Air that has passed over warm segments cools the next ones less.
-        assert!(warm.iter().all(|t| *t > 300.0), "{warm:?}");
-        assert!(warm[1..].iter().all(|t| *t > warm[0]), "{warm:?}");
+        assert!(cfg!(miri) || warm.iter().all(|t| *t > 300.0), "{warm:?}");
+        assert!(cfg!(miri) || warm[1..].iter().all(|t| *t > warm[0]), "{warm:?}");
         refusal(&motor, "T_housing[1]", n - 1);
         refusal(&motor, "T_housing[1]", n + 1);
         // Among others, in the order of the references.
         let references = [vr("winding_temperature"), vr("T_housing[1]"), vr("der(T_housing[1])"), 0];
         let all = filled(2 * n + 2, |all| motor.get_reals(&references, all));
-        assert_eq!(
-            (all[0], &all[1..=n], all[2 * n + 1]),
-            (motor.get("winding_temperature"), &warm[..], 60.0)
-        );
-        assert!(all[n + 1..=2 * n].iter().all(|rate| *rate > 0.0), "{all:?}");
+        assert_eq!((all[0], &all[1..=n], all[2 * n + 1]), (motor.get("winding_temperature"), &warm[..], end));
+        assert!(cfg!(miri) || all[n + 1..=2 * n].iter().all(|rate| *rate > 0.0), "{all:?}");
     }
 }
 
@@ -75,12 +74,13 @@ fn the_parameter_has_a_mode_and_a_type_of_its_own() {
 fn states_of_any_number_are_saved_through_bytes() {
     for count in [1, 13, 64] {
         let pushed = Importer::motor(CS3).segments(count).started(PUSHED);
-        pushed.ended(0.0, 5.0);
+        let h = if cfg!(miri) { 0.02 } else { 5.0 };
+        pushed.ended(0.0, h);
         // One that was made with eight.
         let other = Importer::motor(CS3);
         other.take_over(*pushed);
         let [one, two] = [&pushed, &other].map(|motor| {
-            motor.ended(5.0, 5.0);
+            motor.ended(h, h);
             housing(motor, count as usize).into_iter().map(f64::to_bits).collect::<Vec<_>>()
         });
         assert_eq!(one, two);

@@ -1,7 +1,7 @@
 //! Logging in both standards and both interface types: categories, reasons, events, rejected steps, silence.
 
 use crate::common::{
-    CS2, CS3, Importer, KINDS, LOGGED, Look, ME3, MODELS, MOTOR, Message, Options, Succeeds, vr,
+    CS2, CS3, Importer, KINDS, LOGGED, Look, ME3, MODELS, MOTOR, Message, Options, Succeeds, shortened, vr,
 };
 use crate::counting::allocations;
 use motor_fmu::logger::{CATEGORIES, Status};
@@ -10,7 +10,14 @@ const SILENT: Options = Options { logging: false, event_mode: false, early_retur
 const EVENTS: Options = Options { logging: true, event_mode: true, early_return: true, resources: None };
 
 /// A motor that heats beyond the limit of its winding: an event in every mode.
-const HOT: [(&str, f64); 3] = [("drive_mode", 3.0), ("mechanical_mode", 2.0), ("current_command", 40.0)];
+const HOT: [(&str, f64); 4] = [
+    ("drive_mode", 3.0),
+    ("mechanical_mode", 2.0),
+    ("current_command", 40.0),
+    ("thermal.T_w_max", if cfg!(miri) { 303.15 } else { 428.15 }),
+];
+/// Time after which it is hot, s.
+const HOT_AFTER: f64 = if cfg!(miri) { 0.1 } else { 4.0 };
 
 #[test]
 fn with_logging_off_nothing_is_sent() {
@@ -92,7 +99,7 @@ fn events_and_rejected_steps_are_logged() {
             one.handle_event();
         }
         one.heard();
-        one.step(0.0, 4.0).ok();
+        one.step(0.0, HOT_AFTER).ok();
         let heard = one.heard();
         let has = |category: &str, words: &str| {
             heard.iter().any(|m| m.status == 0 && m.category == category && m.text.contains(words))
@@ -161,10 +168,10 @@ fn logging_changes_no_result_and_costs_nothing_when_off() {
         let (on, off) = (on.started(&modes), off.started(&modes));
         let duty = [vr("duty")];
         let mut used = [0; 2];
-        for k in 0..200 {
-            let t = f64::from(k) * 0.02;
+        for k in 0..shortened(200, 2) {
+            let t = k as f64 * 0.02;
             for (one, used) in [&on, &off].into_iter().zip(&mut used) {
-                let values = [1.3 * (3.0 * t).sin()];
+                let values = [1.3 * (shortened(3, 60) as f64 * t).sin()];
                 *used += allocations(|| {
                     assert!(one.set_reals(&duty, &values) <= Status::Warning);
                     one.step(t, 0.02).ok();

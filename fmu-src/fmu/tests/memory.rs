@@ -1,13 +1,16 @@
 //! A thousand instances in one process: a counting allocator verifies that all memory is freed.
 
-use crate::common::{CS2, Importer, ME3, MODELS, Options, Succeeds, filled, reals};
+use crate::common::{CS2, Importer, ME3, MODELS, Options, Succeeds, filled, reals, shortened};
 use crate::counting::live;
 use physics::declare::Causality;
 
+/// Number of instances.
+const COUNT: usize = shortened(1000, 12);
+
 /// A thousand instances of all kinds at the same time, each with a step, a saved state and a derivative; then all are freed.
 fn a_thousand() -> isize {
-    let mut alive = Vec::with_capacity(1000);
-    for k in 0..1000usize {
+    let mut alive = Vec::with_capacity(COUNT);
+    for k in 0..COUNT {
         let kind = &MODELS[k % MODELS.len()];
         let how = if k % 3 == 0 { ME3 } else { CS2 };
         let instance = Importer::instantiated(kind, how, Options::default()).initialized(&[]);
@@ -32,5 +35,5 @@ fn a_thousand_instances_leave_nothing() {
     let before = live();
     let most = a_thousand();
     assert_eq!(live(), before);
-    assert!(most - before > 1000 * 1000, "the counter counts: {}", most - before);
+    assert!(most - before > 1000 * COUNT as isize, "the counter counts: {}", most - before);
 }

@@ -128,10 +128,16 @@ fn calls_are_allowed_where_the_standards_allow_them() {
     for (k, (how, events)) in INTERFACES.into_iter().enumerate() {
         let own = if how.0 { ONLY_3 } else { ONLY_2 };
         for (name, call, allowed) in TABLE.iter().chain(own) {
+            let mut was_refused = false;
             for state in states(how, events).chars() {
+                let expected = allowed[k].contains(state);
+                // In Miri one state that refuses the call has to do.
+                if cfg!(miri) && was_refused && !expected {
+                    continue;
+                }
+                was_refused |= !expected;
                 let one = at(how, events, state);
                 let status = call(&one);
-                let expected = allowed[k].contains(state);
                 let place = format!("{name} in state {state} of {how:?}, event mode {events}: {status:?}");
                 assert_eq!(status != Status::Error, expected, "{place}");
                 if !expected && state != 'X' {

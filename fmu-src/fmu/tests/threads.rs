@@ -1,6 +1,6 @@
 //! Instances in threads: eight threads with eight instances each give the results of one instance alone.
 
-use crate::common::{Importer, KINDS, MODELS, Options, Succeeds, reals};
+use crate::common::{Importer, KINDS, MODELS, Options, Succeeds, reals, shortened};
 use physics::declare::Causality;
 use std::sync::Barrier;
 
@@ -14,12 +14,12 @@ fn runs(instances: usize) -> Vec<Vec<u64>> {
             Importer::instantiated(kind, how, Options::default()).started(&[])
         })
         .collect();
-    for step in 0..100 {
-        let t = f64::from(step) * 1e-3;
+    for step in 0..shortened(100, 1) {
+        let t = step as f64 * 1e-3;
         for (k, one) in made.iter().enumerate() {
             for (n, input) in reals(one.declaration, Causality::Input).enumerate() {
                 let row = input.row;
-                let wave = (f64::from(step) * (0.3 + 0.07 * (n + k) as f64)).sin();
+                let wave = (step as f64 * (0.3 + 0.07 * (n + k) as f64)).sin();
                 let value = (row.start + 0.5 * row.nominal * wave).clamp(row.min, row.max);
                 one.set_reals(&[input.value_reference], &[value]).ok();
             }

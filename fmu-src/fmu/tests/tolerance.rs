@@ -1,6 +1,6 @@
 //! The importer's relative tolerance reaches the integrator: in every model, in both standards.
 
-use crate::common::{CS2, CS3, How, Importer, KINDS, MODELS, MOTOR, Options, Succeeds};
+use crate::common::{CS2, CS3, How, Importer, KINDS, MODELS, MOTOR, Options, Succeeds, shortened};
 use motor_fmu::logger::Status;
 use physics::model::ModelType;
 
@@ -71,7 +71,7 @@ impl Case {
         one.exit_initialization().ok();
         let mut seen = Vec::new();
         let h = self.h / f64::from(parts);
-        for k in 0..self.steps * parts {
+        for k in 0..shortened((self.steps * parts) as usize, 1) as u32 {
             one.step(f64::from(k) * h, h).ok();
             if (k + 1) % parts == 0 {
                 seen.extend(self.outputs.iter().map(|name| one.get(name)));
@@ -96,6 +96,7 @@ impl Case {
 
 /// Tolerances of 1e-2 and 1e-8 give errors that differ by orders of magnitude and stay below ten times the tolerance, or rounding.
 #[test]
+#[cfg_attr(miri, ignore = "accuracy of the integrator; the other tests make the same calls")]
 fn the_error_follows_the_tolerance() {
     for case in CASES {
         let name = (case.kind().declaration)().name;
@@ -111,7 +112,7 @@ fn the_error_follows_the_tolerance() {
 /// Without a tolerance the results are those of 1e-6, bit for bit; both standards agree; a saved state carries the tolerance.
 #[test]
 fn the_default_is_a_millionth_in_both_standards() {
-    for case in CASES {
+    for case in CASES.iter().skip(shortened(0, CASES.len() - 1)) {
         let bits = |how, tolerance| -> Vec<u64> {
             case.run(how, tolerance, 1).iter().map(|value| value.to_bits()).collect()
         };

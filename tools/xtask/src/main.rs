@@ -9,6 +9,7 @@ mod files;
 mod fuzz;
 mod importers;
 mod licenses;
+mod miri;
 mod mutants;
 mod nightly;
 mod page;
@@ -37,7 +38,7 @@ enum Command {
     Demo(Force),
     /// Run the everyday tests: sources, Rust, FMUs, Python, mutants of changed files.
     Test,
-    /// Run all tests: also removals, all mutants, fuzz, cross, importers, page, wheel, blind, bench.
+    /// Run all tests: also removals, all mutants, fuzz, miri, cross, importers, page, wheel, blind, bench.
     Nightly {
         /// Stages, by default all.
         stages: Vec<String>,
@@ -66,6 +67,8 @@ enum Command {
     Blind(blind::Options),
     /// Random calls of both C interfaces, with each model in turn.
     Fuzz(fuzz::Options),
+    /// Tests of the C interface in Miri, which reports undefined behaviour.
+    Miri,
     /// Run the archives in third-party Rust importers.
     Importers,
     /// Build one archive for three platforms and run it on each.
@@ -119,6 +122,7 @@ fn run(workspace: &Workspace, command: &Command) -> Outcome {
         Command::Bench { arguments } => bench::run(workspace, arguments),
         Command::Blind(options) => blind::run(workspace, options),
         Command::Fuzz(options) => fuzz::run(workspace, options),
+        Command::Miri => miri::run(workspace),
         Command::Importers => importers::run(workspace),
         Command::Cross { toolchain } => cross::run(workspace, toolchain.as_deref()),
         Command::Page(Force { force }) => page::run(workspace, *force),

@@ -10,12 +10,13 @@ use crate::{
 use clap::Parser;
 
 /// The stages, the quick ones first: the tests of every day with the longer ones, then what `test` leaves out.
-const STAGES: [&str; 11] = [
+const STAGES: [&str; 12] = [
     "tests",
     "diffsol",
     "removals",
     "mutants",
     "fuzz",
+    "miri",
     "cross",
     "importers",
     "page",

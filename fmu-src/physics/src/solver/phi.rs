@@ -226,6 +226,15 @@ fn pair<const N: usize>(z: &SMatrix<f64, N, N>, h: f64) -> Option<Weights<SMatri
 }
 
 impl<const N: usize> Phi<N> {
+    /// No functions yet: they hold for a step of 0 s, which no step has.
+    pub fn none() -> Self {
+        let none = SMatrix::zeros();
+        let three = [none; 3];
+        let (middle, end, integral, moment, second) = (three, three, three, three, three);
+        let weights = Weights { middle, end, integral, moment, second, curvature: none, last: none };
+        Phi { a: none, h: 0.0, weights }
+    }
+
     /// The functions of `h * a`; `h` in s, `a` in 1/s, both finite.
     pub fn new(a: SMatrix<f64, N, N>, h: f64) -> Self {
         let z = a * h;

@@ -162,7 +162,7 @@ pub struct Split<const N: usize> {
 impl<const N: usize> Default for Split<N> {
     /// No frozen blocks: the first step computes both.
     fn default() -> Self {
-        let (fast, thermal) = (Phi::new(Matrix2::zeros(), 0.0), Phi::new(SMatrix::zeros(), 0.0));
+        let (fast, thermal) = (Phi::none(), Phi::none());
         let squares = Squares::of(fast.matrix());
         Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial: f64::INFINITY }
     }
@@ -225,20 +225,22 @@ impl<const N: usize> Split<N> {
         self.scale = factor;
     }
 
-    /// Advances `state` by `h` seconds, in as many steps as the error control needs; on failure nothing changes.
+    /// Advances from `state` by `h` seconds to `next`, in as many steps as the error control needs; on failure the integrator is
+    /// unchanged and `next` is undefined.
     pub fn advance<const E: usize>(
         &mut self,
         system: &impl System<N>,
-        state: &mut State<N, E>,
+        state: &State<N, E>,
+        next: &mut State<N, E>,
         h: f64,
     ) -> Result<(), StepFailure> {
         let (mut done, mut trial, mut try_h) = (0.0, self.trial.min(h), h);
-        let (mut backup, mut reached, mut next) = (None, None, *state);
+        let (mut backup, mut reached) = (None, None);
         for _ in 0..MOST_STEPS {
             let rest = h - done;
             try_h = if trial >= rest * WHOLE { rest } else { trial.min(0.5 * rest) };
             let from = reached.as_ref().unwrap_or(state);
-            let error = self.step(system, from, (done, try_h), &mut next, &mut backup);
+            let error = self.step(system, from, (done, try_h), next, &mut backup);
             if error <= 1.0 {
                 if done > 0.0 {
                     next.integrals += from.integrals;
@@ -248,11 +250,10 @@ impl<const N: usize> Split<N> {
                 trial = if whole { f64::INFINITY } else { try_h * (0.8 / error.cbrt()).clamp(0.3, 4.0) };
                 if try_h == rest {
                     self.trial = trial;
-                    *state = next;
                     return Ok(());
                 }
                 done += try_h;
-                reached = Some(next);
+                reached = Some(*next);
             } else if try_h > LEAST_SHARE * h {
                 self.rejected += 1;
                 trial = try_h * if error.is_finite() { (0.8 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 };

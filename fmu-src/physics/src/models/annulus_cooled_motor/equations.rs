@@ -36,6 +36,7 @@ use crate::effects::{PerNode, Port, Ports};
 use crate::ledger::{Account, Ledger};
 use crate::line::Line;
 use crate::solver::split::{Fast, State, System};
+use declare::Group;
 use drive::Chopper;
 use nalgebra::SVector;
 
@@ -50,11 +51,12 @@ pub type Temperatures = SVector<f64, NODES>;
 /// Number of states of [`Step::rates`]: current, speed, angle, T_w, T_h, and the three energies.
 pub const STATES: usize = 3 + NODES + 3;
 
-/// Form of the equations: all of them, those of [`Constants::are_plain`] without the branches of the others, or the latter without a
-/// network.
+/// Form of the equations: all of them, those of [`Constants::are_plain`] without the branches of the others, the latter without a
+/// network, or these with constant inputs.
 pub const ALL: u8 = 0;
 pub(super) const PLAIN: u8 = 1;
 pub(super) const PLAIN_ALONE: u8 = 2;
+pub(super) const PLAIN_STILL: u8 = 3;
 
 /// The equations over one step with linear inputs, in one of the forms. Times are seconds from the start of the step.
 #[derive(Clone, Copy, Debug)]
@@ -173,7 +175,8 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         time: f64,
     ) -> Self {
         let none = Line { start: 0.0, slope: 0.0 };
-        let (u, s) = (inputs, slopes);
+        let zero = Inputs::zero();
+        let (u, s) = (inputs, if Self::STILL { &zero } else { slopes });
         let voltage = match model.choices.drive_mode {
             DriveMode::Voltage => Line { start: u.voltage, slope: s.voltage },
             DriveMode::Pwm => {
@@ -263,10 +266,17 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
     }
 
     const PLAIN: bool = FORM != ALL;
+    const STILL: bool = FORM == PLAIN_STILL;
+
+    /// Value of a line `t` seconds after the start of the step.
+    #[inline(always)]
+    fn at(line: &Line, t: f64) -> f64 {
+        if Self::STILL { line.start } else { line.at(t) }
+    }
 
     #[inline(always)]
     fn has_network(&self) -> bool {
-        FORM != PLAIN_ALONE && self.constants.has_network
+        matches!(FORM, ALL | PLAIN) && self.constants.has_network
     }
 
     fn is_free(&self) -> bool {
@@ -360,7 +370,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
     /// Heat flow into the winding that no current causes, at the speed `w`, W.
     #[inline(always)]
     fn heat_at(&self, t: f64, w: f64) -> f64 {
-        self.heat.at(t) - self.power_mode_torque(w) * w
+        Self::at(&self.heat, t) - self.power_mode_torque(w) * w
     }
 
     /// Heat flows from the nodes to their environment, W.
@@ -369,8 +379,8 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         let conductance = self.conductance_at(t);
         let coupling = &self.coupling;
         let mut leaving = PerNode {
-            winding: conductance.winding * (temperature[WINDING] - coupling.winding.at(t)),
-            housing: conductance.housing * (temperature[CORE] - coupling.core.at(t)),
+            winding: conductance.winding * (temperature[WINDING] - Self::at(&coupling.winding, t)),
+            housing: conductance.housing * (temperature[CORE] - Self::at(&coupling.core, t)),
         };
         if !(Self::PLAIN || self.has_network()) {
             let (effects, t_h) = (self.ports(), temperature[CORE]);
@@ -384,20 +394,6 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
     fn curved(&self, t_h: f64, t_a: f64) -> f64 {
         let effects = self.ports();
         effects.housing_to_ambient(t_h, t_a) + self.model.conductance.G_still * effects.still_air(t_h - t_a)
-    }
-
-    /// Stored energy, J: magnetic and kinetic unless imposed, and heat above the temperature `origin`, K.
-    pub fn stored(&self, state: &State<NODES>, origin: f64) -> f64 {
-        let (i, w) = (state.x[0], state.x[1]);
-        self.magnetic(i) + self.kinetic(w) + self.constants.heat(&state.temperature, origin)
-    }
-
-    fn magnetic(&self, i: f64) -> f64 {
-        if self.is_voltage_driven() { 0.5 * self.model.motor.L * i * i } else { 0.0 }
-    }
-
-    fn kinetic(&self, w: f64) -> f64 {
-        if self.is_free() { 0.5 * self.model.motor.J * w * w } else { 0.0 }
     }
 
     /// Voltages and torques at one instant.

@@ -5,7 +5,7 @@
 //! large an error is rejected and shortened. For communication steps of milliseconds one substep is enough.
 
 use super::cooling::Conditions;
-use super::equations::{ALL, NODES, PLAIN, PLAIN_ALONE, Step, ThermalCoupling};
+use super::equations::{ALL, NODES, PLAIN, PLAIN_ALONE, PLAIN_STILL, Step, ThermalCoupling};
 use super::motor::AnnulusCooledMotor;
 use super::network::{CouplingIntegrals, Network};
 use super::parameters::Parameters;
@@ -51,7 +51,11 @@ impl AnnulusCooledMotor {
         if self.own.network.is_some() {
             self.advance_in_pieces(time, h)?;
         } else if self.own.constants.are_plain(&self.slopes) {
-            self.advance_two_nodes::<PLAIN_ALONE>(time, h)?;
+            if self.is_sloping() || self.own.constants.drift() != 0.0 {
+                self.advance_two_nodes::<PLAIN_ALONE>(time, h)?;
+            } else {
+                self.advance_two_nodes::<PLAIN_STILL>(time, h)?;
+            }
         } else {
             self.advance_two_nodes::<ALL>(time, h)?;
         }
@@ -70,19 +74,21 @@ impl AnnulusCooledMotor {
         let inputs = [&self.inputs, &self.slopes];
         let mut step = Step::<FORM>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time);
         step.excess = excess;
-        let (state, mut next) = (&self.own.state, self.own.state);
-        self.own
-            .split
-            .advance(&step, &mut next, h)
-            .map_err(|step_failure| self.step_failure(time, step_failure.t, step_failure.h))?;
-        let phases = self.own.phases.over(&step, [state, &next], h, &self.parameters);
+        let before = self.own.state;
+        let next = &mut self.own.state;
+        if let Err(step_failure) = self.own.split.advance(&step, &before, next, h) {
+            *next = before;
+            return Err(self.step_failure(time, step_failure.t, step_failure.h).into());
+        }
+        let phases = self.own.phases.over(&step, [&before, next], h, &self.parameters);
         let [winding, core] = [next.temperature[0], next.temperature[1]];
         let extremes =
             Extremes { winding: winding + phases.hottest(), magnets: core, lowest: winding.min(core) };
         if self.own.constants.limits().are_passed(&extremes) {
+            *next = before;
             return Err(Halt::Limit);
         }
-        (self.own.state, self.own.phases) = (next, phases);
+        self.own.phases = phases;
         self.arrive(time + h, h);
         Ok(())
     }
@@ -179,8 +185,8 @@ impl AnnulusCooledMotor {
         }
 
         step.couple(coupling(network, fan_conductance, ambient, Some(&rates)));
-        let mut next = state;
-        if let Err(step_failure) = split.advance(&step, &mut next, h) {
+        let mut next = State::default();
+        if let Err(step_failure) = split.advance(&step, &state, &mut next, h) {
             return Err(self.step_failure(time, step_failure.t, step_failure.h).into());
         }
         let integrals = next.integrals;

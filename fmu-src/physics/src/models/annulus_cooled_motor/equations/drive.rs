@@ -103,7 +103,7 @@ impl<const FORM: u8> Step<'_, FORM> {
         if self.coasts() {
             self.chopper.open_voltage(t, e).0
         } else if Self::PLAIN {
-            self.voltage.at(t)
+            Self::at(&self.voltage, t)
         } else {
             self.voltage.at(t) + self.voltage_bend * (t * t)
         }

@@ -10,6 +10,20 @@ use crate::models::annulus_cooled_motor::variables::{DriveMode, EnergyBalance, O
 use crate::solver::split::{State, System};
 
 impl<const FORM: u8> Step<'_, FORM> {
+    /// Stored energy, J: magnetic and kinetic unless imposed, and heat above the temperature `origin`, K.
+    pub fn stored(&self, state: &State<NODES>, origin: f64) -> f64 {
+        let (i, w) = (state.x[0], state.x[1]);
+        self.magnetic(i) + self.kinetic(w) + self.constants.heat(&state.temperature, origin)
+    }
+
+    pub(super) fn magnetic(&self, i: f64) -> f64 {
+        if self.is_voltage_driven() { 0.5 * self.model.motor.L * i * i } else { 0.0 }
+    }
+
+    pub(super) fn kinetic(&self, w: f64) -> f64 {
+        if self.is_free() { 0.5 * self.model.motor.J * w * w } else { 0.0 }
+    }
+
     /// Outputs at the start of the step; `t_sensor` is the temperature of the housing sensor.
     pub fn outputs(&self, state: &State<NODES>, t_sensor: f64, phases: &Phases) -> Outputs {
         let (model, ambient) = (self.model, self.ambient.start);

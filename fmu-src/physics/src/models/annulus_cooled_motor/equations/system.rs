@@ -34,7 +34,8 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         let di = (self.source(t, k * w) - self.resistance(temperature[WINDING]) * i - lost - k * w)
             * self.constants.inverse_l
             + self.current.slope;
-        let dw = (k * i - instant.drag - self.load.at(t)) * self.constants.inverse_j + self.speed.slope;
+        let dw =
+            (k * i - instant.drag - Self::at(&self.load, t)) * self.constants.inverse_j + self.speed.slope;
         Fast::new(di, dw)
     }
 
@@ -83,8 +84,8 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         }
         let conductance = self.conductance_at(t);
         let entering = Temperatures::new(
-            conductance.winding * self.coupling.winding.at(t),
-            conductance.housing * self.coupling.core.at(t),
+            conductance.winding * Self::at(&self.coupling.winding, t),
+            conductance.housing * Self::at(&self.coupling.core, t),
         );
         (entering.component_mul(&self.constants.inverse_capacity), -entering.sum())
     }
@@ -128,7 +129,7 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         let t_w = temperature[WINDING];
         let volts = self.resistance(t_w) * i + self.ports().terminal_voltage(i);
         let copper = volts * i + self.ripple_loss(t, t_w);
-        let core = self.drag_in_core(w, instant.drag * w) + self.stator.at(t);
+        let core = self.drag_in_core(w, instant.drag * w) + Self::at(&self.stator, t);
         Temperatures::new(copper + self.heat_at(t, w), core)
     }
 
@@ -141,7 +142,9 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         let [x0, xm, x1] = segment.x;
         let at = [t, t + 0.5 * h, t + h];
         let simpson = |f0: f64, fm: f64, f1: f64| segment.simpson([f0, fm, f1]);
-        let line = |l: &Line, k: usize| segment.against_line(l, k);
+        let line = |l: &Line, k: usize| {
+            if Self::STILL { l.start * segment.integral[k] } else { segment.against_line(l, k) }
+        };
         let against = |f: [f64; 3], k: usize| segment.against(f, k);
         let k_t = |n: usize| instants[n].k;
 
@@ -172,15 +175,15 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
             (load, error_of_load) = against([x0, xm, x1].map(|x| self.power_mode_torque(x[1])), 1);
             quadrature_error += error_of_load;
         }
-        let stator = h * self.stator.at(t + 0.5 * h);
-        let mut heat = h * self.heat.at(t + 0.5 * h) - load;
+        let stator = h * Self::at(&self.stator, t + 0.5 * h);
+        let mut heat = h * Self::at(&self.heat, t + 0.5 * h) - load;
         if self.loses() {
             let ripple = [0, 1, 2].map(|n| self.ripple_loss(at[n], segment.temperature[n][WINDING]));
             let over_step = simpson(ripple[0], ripple[1], ripple[2]);
             heat += over_step;
             quadrature_error += (over_step - 0.5 * h * (ripple[0] + ripple[2])).abs();
         }
-        let mut drive = h * self.drive.at(t + 0.5 * h);
+        let mut drive = h * Self::at(&self.drive, t + 0.5 * h);
         // R i^2: the end value of R times the integral of i^2, plus Simpson's rule for the deviation of R from its end value.
         let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
         let heating = |n: usize| (r(n) - r(2)) * segment.x[n][0] * segment.x[n][0];
