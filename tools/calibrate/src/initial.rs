@@ -132,6 +132,8 @@ impl Bench {
         indicated: &[f64],
     ) -> Result<Option<Vec<Vec<f64>>>, CalibrateError> {
         let mut model = self.begin_at(drive, change, indicated)?;
+        // The start of a run is the same for every accuracy of its simulation.
+        model.ease(1.0);
         let rows = drive.warm.iter().map(|sensor| sensor.readings.len()).max().unwrap_or(0);
         let mut shown = vec![Vec::with_capacity(rows); drive.warm.len()];
         let ending = self.along_rows(drive, rows, model.as_mut(), |model, _| {

@@ -13,16 +13,14 @@ use physics::terms::Drivers;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
-/// Relaxation of the integration tolerance for the many simulations of a search. Numerical: measured on the public sets, seven times
-/// faster, at most 0.03 mK error.
+/// Relaxation of the integration tolerance for the many simulations of a search. Numerical: seven times faster, at most 0.03 mK error.
 pub const EASE: f64 = 100.0;
 /// Relative standard deviation of a prior above which it limits the parameter. Derivation: zero is then inside of 3.3 standard
 /// deviations, two-sided level 1e-3, so the parameter is known by its logarithm only.
 pub const WIDE: f64 = 0.3;
-/// Relative standard deviation of a prior from which the parameter may be zero. Numerical: the limits would be at factors of 6e7,
-/// outside those of the variable.
+/// Relative standard deviation of a prior from which the parameter may be zero. Numerical: limits at factors of 6e7 are none.
 const HARDLY: f64 = 5.0;
-/// Limits of a parameter with a wide prior: standard deviations of the logarithm. Numerical: they end fits that diverge.
+/// Limits of a parameter that cannot be zero: standard deviations of the logarithm, at least [`WIDE`]. Numerical: fits that diverge end.
 const FAR: f64 = 10.0;
 /// Blocks of a run, for each output: residuals are averaged over this number of sections of a run. Numerical: a run comprises some tens
 /// of time constants; twice as many change the penalty ln n by 0.7.
@@ -58,10 +56,10 @@ impl Declared {
     /// A parameter that applies in all runs.
     pub fn new(entry: &Entry, prior: f64, deviation: f64) -> Declared {
         let mut limits = (entry.row.min, entry.row.max);
-        // Limits of a parameter that cannot be zero: ten standard deviations of its logarithm; less is no plausible capacity of a motor.
+        // A parameter that cannot be zero: less is no plausible capacity of a motor, and a short time constant has short steps.
         let relative = deviation / prior.abs();
-        if prior > 0.0 && limits.0 > 0.0 && relative > WIDE && relative < HARDLY {
-            let factor = (1.0 + relative).powf(FAR);
+        if prior > 0.0 && limits.0 > 0.0 && relative < HARDLY {
+            let factor = (1.0 + relative.max(WIDE)).powf(FAR);
             limits = (limits.0.max(prior / factor), limits.1.min(prior * factor));
         }
         Declared {
