@@ -1,12 +1,13 @@
 //! Estimation of the parameters of a hypothesis: bounded least squares with priors.
 //!
-//! minimise  sum_k [(y_k - y(t_k; p)) / sigma]^2 + sum_j [(p_j - p_j0) / s_j]^2             (1)
+//! minimise  sum_k [(y_k - y(t_k; p)) / sigma]^2 + sum_j [(p_j - p_j0) / s_j]^2 + sum_t v_t' P_t v_t          (1)
 //!
-//! The first sum includes all evaluated rows of the fitted runs. p_j0 is the preset's value and s_j the standard deviation of its prior;
-//! the values of a table have the prior of a smooth law ([`crate::search`]), other parameters of an addition none. A parameter with a wide prior ([`WIDE`]) can be wrong by a factor. The first fit therefore
-//! uses several starts and the logarithms of such parameters, so that it converges from any start, and then the parameters
-//! themselves. Sensitivities come from the linearised model ([`crate::tangent`]) and are reused for several steps: near the optimum they
-//! hardly change, and a step then costs one simulation.
+//! The first sum includes all evaluated rows of the fitted runs. p_j0 is the preset's value and s_j the standard deviation of its prior.
+//! v_t are the values of a table and P_t the inverse of their prior covariance, that of a smooth law ([`crate::search`]); other parameters of
+//! an addition have no prior. A parameter with a wide prior ([`WIDE`]) can be wrong by a factor. The first fit therefore uses several starts
+//! and the logarithms of such parameters, so that it converges from any start, and then the parameters themselves. Sensitivities come from the
+//! linearised model ([`crate::tangent`]) and are reused for several steps: near the optimum they hardly change, and a step then costs one
+//! simulation.
 //! *Source*: Bates, Watts, Nonlinear Regression Analysis (1988), ch. 2 and 3; priors as in PEtab.
 
 #[cfg(test)]

@@ -168,8 +168,7 @@ impl Addition {
                 Law::Product(Product { coefficient, factors })
             }
             Shape::Table { driver, knots, .. } => {
-                let values: Vec<f64> = self.numbers[..knots.len()].iter().map(|n| n.value).collect();
-                Law::Table(Table::new(*driver, knots, &values)?)
+                Law::Table(Table::new(*driver, knots, &self.values(knots.len()))?)
             }
         };
         Some(GenericTerm { port: self.port, law, lag: self.lag() })
@@ -178,10 +177,12 @@ impl Addition {
     /// The values of a table and the inverse of their prior covariance; their prior mean is zero.
     fn prior(&self) -> Option<(DVector<f64>, &DMatrix<f64>)> {
         let Shape::Table { knots, precision, .. } = &self.shape else { return None };
-        Some((
-            DVector::from_iterator(knots.len(), self.numbers[..knots.len()].iter().map(|n| n.value)),
-            precision,
-        ))
+        Some((DVector::from_vec(self.values(knots.len())), precision))
+    }
+
+    /// The first numbers: those of a table, without its time constant.
+    fn values(&self, count: usize) -> Vec<f64> {
+        self.numbers[..count].iter().map(|n| n.value).collect()
     }
 
     /// Adds this addition to the overrides of a model.

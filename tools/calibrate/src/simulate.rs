@@ -173,7 +173,7 @@ impl Bench {
     }
 
     /// Model with the change applied and the inputs of the first row.
-    pub fn set_up(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
+    fn set_up(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
         let mut model = self.template.boxed_clone();
         // The run's own settings override every trial value.
         let widest = if self.lenient { &self.widest[..] } else { &[] };

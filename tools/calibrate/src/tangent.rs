@@ -81,6 +81,8 @@ pub struct Tangent {
     seen: Vec<f64>,
     /// The three matrices of (2) by rows, for each interval between rows.
     passes: Vec<f64>,
+    /// Temperatures that the sensors of the run indicate at the start, K.
+    indicated: Vec<f64>,
     /// Adaptation of the initial temperatures; `None` if the run starts at the ambient temperature.
     starts: Option<Adapted>,
 }
@@ -175,9 +177,10 @@ impl Tangent {
             rates,
             seen,
             passes,
+            indicated,
             starts: None,
         };
-        tangent.starts = Adapted::new(bench, drive, change, &tangent, &indicated);
+        tangent.starts = Adapted::new(bench, drive, change, &tangent);
         Ok(tangent)
     }
 

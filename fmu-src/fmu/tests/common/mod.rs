@@ -79,34 +79,20 @@ struct Environment {
 
 const NAME: &CStr = c"any";
 
-/// The logger of FMI 2 in Miri; the library passes "%s" and one text.
-#[cfg(miri)]
+/// FMI 2's logger; the library passes "%s" and one text. Only in Miri it has the variadic tail that stable Rust cannot define.
 unsafe extern "C" fn logger2(
     environment: *mut c_void,
     instance: *const c_char,
     status: c_int,
     category: *const c_char,
     format: *const c_char,
-    mut tail: ...
+    #[cfg(not(miri))] text: *const c_char,
+    #[cfg(miri)] mut tail: ...
 ) {
     unsafe {
         assert_eq!((CStr::from_ptr(instance), CStr::from_ptr(format)), (NAME, c"%s"));
-        logger3(environment, status, category, tail.next_arg());
-    }
-}
-
-/// The same without its variadic tail.
-#[cfg(not(miri))]
-unsafe extern "C" fn logger2(
-    environment: *mut c_void,
-    instance: *const c_char,
-    status: c_int,
-    category: *const c_char,
-    format: *const c_char,
-    text: *const c_char,
-) {
-    unsafe {
-        assert_eq!((CStr::from_ptr(instance), CStr::from_ptr(format)), (NAME, c"%s"));
+        #[cfg(miri)]
+        let text = tail.next_arg();
         logger3(environment, status, category, text);
     }
 }

@@ -163,11 +163,9 @@ impl<'a> Search<'a> {
         let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
         let whole = self.rounds.last().map_or(f64::INFINITY, cost);
         // If the others explain the residual without it, the first choice was a substitute for them: it would not be added to them.
-        let falls = |with: &Linearization| {
-            let (before, after) = (without.evidence.cost(), with.evidence.cost());
-            (before.0 - after.0).min(before.1 - after.1)
-        };
-        if self.rounds.len() > 1 && falls(self.point()) < asked(&without, self.point()) {
+        let (before, after) = (without.evidence.cost(), self.point().evidence.cost());
+        let fall = (before.0 - after.0).min(before.1 - after.1);
+        if self.rounds.len() > 1 && fall < asked(&without, self.point()) {
             self.rounds.remove(0);
             if let Some(last) = self.rounds.pop() {
                 self.rounds.push(last.with_point(without));

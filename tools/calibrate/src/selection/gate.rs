@@ -76,11 +76,10 @@ fn outweighs(before: &Linearization, with: &Linearization) -> bool {
 /// Sentence on a declared parameter that reaches a limit with a candidate: the candidate then explains with a parameter that has no plausible
 /// value.
 fn to_a_limit(before: &Linearization, candidate: &Candidate) -> Option<String> {
-    let values = |point: &Linearization| point.fitted.hypothesis.declared.clone();
-    let pairs = values(before).into_iter().zip(values(&candidate.point));
-    let mut all = candidate.point.setup.declared.iter().zip(pairs);
+    let [before, with] = [before, &candidate.point].map(|point| &point.fitted.hypothesis.declared);
+    let mut all = candidate.point.setup.declared.iter().zip(before.iter().zip(with));
     let (own, (_, value)) =
-        all.find(|(own, (before, with))| own.is_inside(*before) && !own.is_inside(*with))?;
+        all.find(|(own, (before, with))| own.is_inside(**before) && !own.is_inside(**with))?;
     Some(format!("{} reaches its limit {value:.4} {} with it", own.name, own.unit))
 }
 

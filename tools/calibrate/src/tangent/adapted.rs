@@ -1,17 +1,13 @@
 //! Initial temperatures that are estimated from the first rows adapt to a perturbation.
 
 use super::{Direction, Tangent};
-use crate::initial::{Starts, Warm};
+use crate::initial::{Starts, WARMER, Warm};
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
-
-/// Difference of an indicated initial temperature for its response, K. Numerical: half of the digits remain in the difference.
-const WARMER: f64 = 1e-3;
 
 /// What the estimate of the initial temperatures takes out of a response.
 #[derive(Clone, Debug)]
 pub struct Adapted {
-    warm: Vec<Warm>,
     outputs: usize,
     /// Response of all outputs at all rows, by sensor whose node starts 1 K warmer.
     responses: Vec<Vec<f64>>,
@@ -20,19 +16,13 @@ pub struct Adapted {
 
 impl Adapted {
     /// `None` for a run whose initial temperatures are not estimated.
-    pub fn new(
-        bench: &Bench,
-        drive: &Drive,
-        change: &Override,
-        tangent: &Tangent,
-        indicated: &[f64],
-    ) -> Option<Adapted> {
+    pub fn new(bench: &Bench, drive: &Drive, change: &Override, tangent: &Tangent) -> Option<Adapted> {
         if !drive.estimates_start() {
             return None;
         }
         let (n, rows) = (tangent.states, tangent.time.len());
         let responses = (0..drive.warm.len()).map(|k| {
-            let mut warmer = indicated.to_vec();
+            let mut warmer = tangent.indicated.clone();
             warmer[k] += WARMER;
             let mut states = Vec::with_capacity(n);
             bench.begin_at(drive, change, &warmer).ok()?.states(&mut states);
@@ -42,14 +32,14 @@ impl Adapted {
             Some(tangent.response(&direction, |_| 1.0))
         });
         let responses: Vec<Vec<f64>> = responses.collect::<Option<_>>()?;
-        let (warm, outputs) = (drive.warm.clone(), tangent.outputs);
-        let starts = Starts::new(&warm, responses.iter().map(|r| indicated_by(&warm, outputs, r)).collect())?;
-        Some(Adapted { warm, outputs, responses, starts })
+        let (warm, outputs) = (&drive.warm, tangent.outputs);
+        let starts = Starts::new(warm, responses.iter().map(|r| indicated_by(warm, outputs, r)).collect())?;
+        Some(Adapted { outputs, responses, starts })
     }
 
     /// Subtracts from a response, rows times outputs, what the initial temperatures take over.
     pub fn adapt(&self, response: &mut [f64]) {
-        let taken = self.starts.explaining(&self.warm, &indicated_by(&self.warm, self.outputs, response));
+        let taken = self.starts.explaining(&indicated_by(self.starts.warm(), self.outputs, response));
         for (own, size) in self.responses.iter().zip(taken.iter()) {
             response.iter_mut().zip(own).for_each(|(value, own)| *value -= size * own);
         }

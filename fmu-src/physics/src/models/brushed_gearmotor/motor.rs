@@ -143,12 +143,12 @@ impl Equations<STATES> for Gearmotor {
         let step = Step::new(parameters, constants, inputs, slopes, time);
         if let Err(step_failure) = split.advance(&step, &before, state, h) {
             *state = before;
-            return Err(
-                Fault(format!(
-                    "The gearmotor's equations have no solution {:.3e} s after {} s with at most {MOST_STEPS} steps, the last of {:.1e} s \
+            let fault = format!(
+                "The gearmotor's equations have no solution {:.3e} s after {} s with at most {MOST_STEPS} steps, the last of {:.1e} s \
                  (current {} A, speed {} rad/s, winding {} K); parameters or inputs are probably far from those of a motor.",
-                    step_failure.t, time, step_failure.h, before.x[0], before.x[1], before.temperature[0]
-                )).into());
+                step_failure.t, time, step_failure.h, before.x[0], before.x[1], before.temperature[0]
+            );
+            return Err(Fault(fault).into());
         }
         if run.own.constants.limits().are_passed(&run.extremes()) {
             run.own.state = before;
