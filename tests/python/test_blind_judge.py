@@ -125,11 +125,21 @@ def test_refused_input_needs_a_message():
 
 def test_numbers_of_a_set():
     one = j.judge(LISTED, report("named", "iron_loss"), {"seconds": 3.0, "cpu_seconds": 2.0, "memory_MB": 50.0})
-    assert (one.inside, one.parameters) == (2, 3) and (one.effective_inside, one.effective_parameters) == (2, 2)
+    # C_h of the specimen is outside its interval, that of the best two-node model is inside.
+    assert (one.inside, one.parameters) == (3, 3) and (one.effective_inside, one.effective_parameters) == (2, 2)
     assert one.over_floor == pytest.approx({"before": 30.0, "refit": 2.0, "after": 1.04, "blackbox": 3.0})
     assert one.over_refit == pytest.approx(0.52) and one.cpu == 2.0
     assert j.judge(ROUGH, NOTHING).over_model["refit"] == pytest.approx(2.0 / 10.0**0.5)
     assert j.judge(ROUGH, NOTHING).parameters == 0 and j.judge(LAW, NOTHING).port is False
+    assert j.judge(truth() | {"wrong_prior": True}, NOTHING).parameters == 0
+
+
+def test_the_criterion_states_which_parameters_are_compared():
+    now = j.judge(truth(structure=j.LOW), NOTHING)
+    assert (now.inside, now.parameters) == (2, 2)
+    stored = {name: value for name, value in vars(now).items() if name != "compared"}
+    for one, whose in ((now, j.BEST), (j.Judged(**stored), j.SPECIMEN)):
+        assert any(r.what == f"true parameters ({whose}) inside their 95 % interval" for r in score.criteria([one]))
 
 
 def sets(wrong: int, count: int = 100):

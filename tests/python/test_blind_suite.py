@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from bench.effects import CATALOGUE
 from bench.generator import simulate
-from bench.rig import COLUMNS, PUBLIC, SPEED, TORQUE
+from bench.rig import COLUMNS, LAYOUTS, PUBLIC, SPEED, TORQUE, WINDING
 from blind import cycles, draw, files, laws, mistakes
 from blind.network import Column, Network
+from blind.two_node import TwoNode
 
 SEED = 4
 
@@ -37,6 +38,23 @@ def test_without_structure_the_network_is_the_two_node_motor(monkeypatch):
         for column, values in expected.items():
             scale = 0.1 if column.endswith("degC") else 0.02 if column == COLUMNS["voltage"] else 1e-3
             assert np.max(np.abs(made[column] - values)) < 0.1 * scale, (name, column)
+
+
+@pytest.mark.parametrize("drive", LAYOUTS)
+def test_the_fast_two_node_motor_is_the_network_without_structure(monkeypatch, drive):
+    times, inputs = short_run(monkeypatch)
+    nominal, current = PUBLIC.nominal, inputs.pop(COLUMNS["current"])
+    voltage = nominal["motor.R_ref"] * current + nominal["motor.k_t"] * inputs[SPEED]
+    inputs[COLUMNS[drive]] = {"current": current, "voltage": voltage, "power": 3.0 * np.abs(current)}[drive]
+    moved = [{}, {"thermal.R_wh": 1.5 * nominal["thermal.R_wh"]}, {"motor.alpha": 0.003, "motor.k_t": 0.02}]
+    # The second run is shorter.
+    runs = [(times[:rows], {c: v[:rows] for c, v in inputs.items()}) for rows in (len(times), 90)]
+    columns = [Column(*run, nominal | one) for one in moved for run in runs]
+    expected = Network(columns, drive).simulate()
+    assert np.ptp(expected[0][WINDING]) > 5.0
+    for one, other in zip(TwoNode(columns, drive).simulate(), expected):
+        for column in LAYOUTS[drive].outputs:
+            assert np.allclose(one[column], other[column], rtol=1e-12, atol=1e-11), column
 
 
 @pytest.mark.parametrize("extra", [(), ("stator_node",), ("iron_loss", "contact_drop")])
@@ -107,6 +125,52 @@ def test_the_law_changes_the_readings_by_its_size(small):
         and max(refit.in_test(refit.base, still).values()) < 1e-4
     )
     assert 0.5 * small.facts["signal"] < max(shown.values()) < 20.0 * small.facts["signal"] and np.any(shift)
+
+
+def squares(refit, response, substeps, x) -> float:
+    made = refit.two_node([x], refit.fit, substeps)[0]
+    return sum(float(np.sum(block**2)) for block in refit.change(made, response, refit.fit))
+
+
+def test_without_structure_the_best_two_node_model_is_the_specimen(small):
+    refit = draw.Refit(small)
+    response, substeps = refit.simulated(0.0)
+    x = refit.best(response, substeps, start=np.linspace(-0.3, 0.4, len(small.prior)))
+    assert np.max(np.abs(x)) < 1e-6 and max(max(by.values()) for by in refit.remaining(response, substeps, x)) < 1e-4
+    still = deepcopy(small)
+    still.scale = 0.0
+    facts = draw.Refit(still).effective()
+    assert facts["structure_error_max"] == 0.0
+    assert facts["effective_parameters"] == files.truth(small)["parameters"]
+
+
+def test_the_best_two_node_model_is_the_converged_nonlinear_refit(small):
+    """Structure like a strongly insulated end winding: R_wh far from the specimen's, nearly no residual."""
+    strong = deepcopy(small)
+    strong.pieces, strong.scale = {"end_winding": 0.6}, 1.5
+    refit = draw.Refit(strong)
+    response, substeps = refit.simulated(strong.scale)
+    x = refit.best(response, substeps)
+    found = dict(zip(strong.prior, np.exp(x)))
+    assert found["thermal.R_wh"] > 1.5
+    # One linear step with the priors, which the size of the structure error is aimed with.
+    shift = refit.left(response)[1]
+    step = [d * p * strong.rig.nominal[n] / strong.specimen[n] for d, (n, p) in zip(shift, strong.prior.items())]
+    left = squares(refit, response, substeps, x)
+    linear = np.log1p(step)
+    assert left < 0.5 * squares(refit, response, substeps, linear)
+    # Neither further iterations nor another start change the values.
+    for start in (x, linear, x + 0.1):
+        assert np.allclose(refit.best(response, substeps, start), x, rtol=0.0, atol=2e-5)
+    for k in range(len(x)):
+        for move in (-1e-3, 1e-3):
+            assert squares(refit, response, substeps, x + move * np.eye(len(x))[k]) > left
+    facts = refit.effective()
+    expected = {n: v * strong.specimen[n] for n, v in found.items()}
+    assert facts["effective_parameters"] == pytest.approx(expected, rel=1e-6)
+    fit, test = refit.remaining(response, substeps, x)
+    assert facts["structure_error"] == pytest.approx(fit, rel=1e-2)
+    assert facts["structure_error_max"] == pytest.approx(max(*fit.values(), *test.values()), rel=1e-2)
 
 
 @pytest.mark.parametrize("name", mistakes.ALL)

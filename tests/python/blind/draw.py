@@ -8,9 +8,11 @@ import numpy as np
 from bench.law import CATALOGUE
 from bench.rig import AMBIENT, COLUMNS, LAYOUTS, SPEED, TORQUE, WINDING, Rig, draw_units
 from bench.write import ROLES
+from scipy.optimize import least_squares
 
 from . import cycles, laws, structure
 from .network import TERMINAL, Column, Network
+from .two_node import TwoNode
 
 NULL, LISTED, FUNCTION, PRODUCT, HIDDEN, MISTAKE = "null", "listed", "function", "product", "hidden", "mistake"
 RANDOM = (FUNCTION, PRODUCT, HIDDEN)
@@ -20,6 +22,10 @@ OTHER_MOTOR, WRONG_PRIOR, WARM, STATED = 0.7, 0.25, 0.25, 0.6  # fractions of se
 SCATTER = 2.0  # largest deviation of a specimen, in standard deviations
 UNDERSTATED = (0.33, 0.5)  # of the true standard deviation, in a wrong prior
 STEP = 0.1  # of a prior, for sensitivities
+SMALL = 1e-6  # relative, for the slopes of the nonlinear refit
+WIDER = 10.0  # factor on the scatter of specimens in the nonlinear refit
+LIMITS = (0.2, 20.0)  # of a parameter there, times the specimen's: a winding without heat capacity is stiff
+CONVERGED = {"ftol": 1e-10, "xtol": 1e-9, "gtol": 1e-9}  # of the nonlinear refit
 SIGNAL = (3.0, 30.0)  # size of an effect after a refit, in standard deviations of noise and structure error
 NONLINEAR = ("stator_node", "demagnetisation", "housing_sensor_lag")  # as drawn
 HOTTEST = 180.0  # degC of a winding
@@ -111,7 +117,9 @@ def sigma(s: Set) -> dict:
 
 
 class Refit:
-    """Linear refit of the declared parameters of the two-node motor to a change of the outputs in the fit runs."""
+    """Refit of the declared parameters of the two-node motor to the fit runs: linear to a change of the outputs,
+    for the sizes of structure and law; nonlinear to the response with structure, for the truth file.
+    """
 
     def __init__(self, s: Set):
         self.s, self.sigma = s, sigma(s)
@@ -151,6 +159,66 @@ class Refit:
     def in_test(self, one: dict, shift) -> dict:
         """The same in the test runs, which are hotter and faster."""
         return self.rms(self.change(one, self.base, self.test), shift, self.slopes_in(self.test))
+
+    def simulated(self, scale: float):
+        """The noise-free response with structure, by run, and the substeps between its rows."""
+        runs = [*self.fit, *self.test]
+        network = Network([column(self.s, k, scale=scale) for k in runs], self.s.rig.layout.drive, (), self.s.pieces)
+        return dict(zip(runs, network.simulate())), network.substeps(network.table())
+
+    def two_node(self, points, runs, substeps) -> list:
+        """For each point (logarithms of the parameters relative to the specimen's) the response, by run."""
+        values = [{n: self.s.specimen[n] * float(np.exp(x)) for n, x in zip(self.s.prior, point)} for point in points]
+        columns = [column(self.s, k, moved) for moved in values for k in runs]
+        made = TwoNode(columns, self.s.rig.layout.drive, substeps).simulate()
+        return [dict(zip(runs, made[n:])) for n in range(0, len(made), len(runs))]
+
+    def best(self, response: dict, substeps, start=None):
+        """Nonlinear refit to a response in the fit runs; logarithms of the parameters relative to the specimen's.
+
+        The priors are no part of it, because they pull a parameter away from the value that the data give. Where the
+        data do not determine a value, the scatter of specimens times `WIDER` keeps the parameter near the specimen's.
+        """
+        weights = np.diag([1.0 / (WIDER * self.s.rig.prior[n]) for n in self.s.prior])
+        cache: dict = {}
+
+        def at(x):
+            """Residuals and their slopes, from one simulation."""
+            if not np.array_equal(cache.get("x"), x):
+                points = np.vstack([x, x + SMALL * np.eye(len(x))])
+                simulations = self.two_node(points, self.fit, substeps)
+                first, *moved = [np.concatenate(self.change(one, response, self.fit)) for one in simulations]
+                slopes = np.column_stack([(one - first) / SMALL for one in moved])
+                cache.update(x=x.copy(), rest=np.append(first, weights @ x), slopes=np.vstack([slopes, weights]))
+            return cache
+
+        start, limits = np.zeros(len(weights)) if start is None else start, np.log(LIMITS)
+        found = least_squares(lambda x: at(x)["rest"], start, lambda x: at(x)["slopes"], limits, **CONVERGED)
+        if not found.success:
+            raise RuntimeError(f"{self.s.name}: the refit of the two-node model does not converge")
+        return found.x
+
+    def remaining(self, response: dict, substeps, x) -> tuple:
+        """rms per channel that the two-node model at a point leaves, in the fit runs and in the test runs."""
+        made = self.two_node([x], [*self.fit, *self.test], substeps)[0]
+        changes = [dict(zip(self.sigma, self.change(made, response, runs))) for runs in (self.fit, self.test)]
+        return tuple({c: float(np.sqrt(np.mean(v**2))) for c, v in by.items()} for by in changes)
+
+    def effective(self) -> dict:
+        """Facts: parameters of the two-node model that describes the noise-free response best, and its errors."""
+        none = dict.fromkeys(self.sigma, 0.0)
+        values, fit, test = {n: self.s.specimen[n] for n in self.s.prior}, none, none
+        if self.s.scale:
+            response, substeps = self.simulated(self.s.scale)
+            x = self.best(response, substeps)
+            values = {n: v * float(np.exp(d)) for (n, v), d in zip(values.items(), x)}
+            fit, test = self.remaining(response, substeps, x)
+        return {
+            "structure_error": {c: float(f"{v:.3g}") for c, v in fit.items()},
+            "structure_error_test": {c: float(f"{v:.3g}") for c, v in test.items()},
+            "structure_error_max": float(f"{max(*fit.values(), *test.values()):.3g}"),
+            "effective_parameters": values,
+        }
 
     def with_laws(self, effects, scale=0.0) -> dict:
         columns = [column(self.s, k, laws_on=True, scale=scale) for k in self.fit]
@@ -221,13 +289,15 @@ def explained(x, y) -> float:
 def draw_set(seed: int, number: int, kind: str, name: str | None = None) -> Set:
     """A set of a kind, with the listed effect `name`; drawn again while some winding would burn."""
     for attempt in range(10):
-        s = drawn(np.random.default_rng([seed, number, attempt]), f"blind-{seed}-{number}", kind, name)
+        s, refit = drawn(np.random.default_rng([seed, number, attempt]), f"blind-{seed}-{number}", kind, name)
         if s.hottest < HOTTEST:
             break
+    s.facts |= refit.effective()
     return s
 
 
-def drawn(rng, title: str, kind: str, name: str | None) -> Set:
+def drawn(rng, title: str, kind: str, name: str | None) -> tuple:
+    """A set without the facts of the nonlinear refit, and its refit."""
     if kind == LISTED and not name:
         name = str(rng.choice(list(laws.LISTED)))
     rig = draw_rig(rng, kind, name)
@@ -257,19 +327,18 @@ def drawn(rng, title: str, kind: str, name: str | None) -> Set:
     aim = 0.4 * aim if kind == MISTAKE else aim
     tested = refit.in_test(refit.structured, shift)
     s.scale = min(aim / max(*size.values(), *tested.values(), 1e-9), STRONGEST)
-    size, tested = ({c: s.scale * v for c, v in by.items()} for by in (size, tested))
     signal = (
-        draw_law(rng, s, refit, name, {c: float(np.hypot(1.0, v)) for c, v in size.items()})
+        draw_law(rng, s, refit, name, {c: float(np.hypot(1.0, s.scale * v)) for c, v in size.items()})
         if kind in (LISTED, *RANDOM)
         else None
     )
     made = measure(rng, s)
-    describe(s, size, tested, s.scale * shift, wrong)
+    describe(s, wrong)
     if s.laws:
         s.facts |= {"signal": float(f"{signal:.3g}"), "detectable": bool(signal >= VISIBLE)}
         s.facts["drivers"] = same_drivers(s, refit, made)
         s.facts["ports"] = [s.laws[0].port, *laws.SAME.get(s.laws[0].port, ())]
-    return s
+    return s, refit
 
 
 def measure(rng, s: Set):
@@ -296,19 +365,13 @@ def measure(rng, s: Set):
     return made[::2]
 
 
-def describe(s: Set, size: dict, tested: dict, shift, wrong: bool):
-    """Structure error in standard deviations of the sensors after a refit, and the parameters of that refit."""
+def describe(s: Set, wrong: bool):
+    """Structure, the true statements about it, and whether the prior is wrong."""
     active = s.pieces if s.scale else {}
     ports, ids = structure.true_statements(active)
     s.facts |= {
-        "structure_error": {c: float(f"{v:.3g}") for c, v in size.items()},
-        "structure_error_test": {c: float(f"{v:.3g}") for c, v in tested.items()},
-        "structure_error_max": float(f"{max(*size.values(), *tested.values()):.3g}"),
         "pieces": {n: v if isinstance(v, float) else "offset of each run" for n, v in active.items()},
         "scale": s.scale,
         "true_of_structure": {"ports": ports, "effects": ids},
         "wrong_prior": wrong,
-        "effective_parameters": {
-            n: s.specimen[n] + float(d) * s.prior[n] * s.rig.nominal[n] for n, d in zip(s.prior, shift)
-        },
     }

@@ -26,7 +26,8 @@ RANDOM = ("function", "product", "hidden")
 MODELS = ("before", "refit", "after", "blackbox")
 GENERIC = "generic_term"
 VERDICTS = ("named", "class", "unexplained", "nothing", "unusable")
-LOW = 0.5  # structure error, in standard deviations of the sensors, below which a parameter has a true value
+LOW = 0.5  # structure error, in standard deviations of the sensors, up to which a parameter has a true value
+SPECIMEN, BEST = "specimen", "best two-node model"  # whose parameters are the true ones, in tables before and now
 
 
 @dataclass
@@ -71,6 +72,7 @@ class Judged:
     verdict: str | None = None
     port: bool | None = None
     driver: bool | None = None
+    compared: str = SPECIMEN
     inside: int = 0
     parameters: int = 0
     effective_inside: int = 0
@@ -247,6 +249,7 @@ def judge(truth: dict, report: dict | None, run: dict | None = None) -> Judged:
         truth["structure_error_max"],
         truth.get("signal"),
         truth.get("detectable", True),
+        compared=BEST,
     )
     j.warm, j.verdict = truth["warm"], report and report["verdict"]
     j.seconds, j.budget, j.cpu, j.memory = (
@@ -260,11 +263,12 @@ def judge(truth: dict, report: dict | None, run: dict | None = None) -> Judged:
         j.port = bool(law and law[0] in truth["ports"])
         j.driver = bool(law and set(law[1]) & set(truth["drivers"]))
     if report and not said.unusable and kind != MISTAKE:
-        if j.structure <= LOW and not truth["wrong_prior"]:
-            inside = intervals(truth["parameters"], report) + sizes(truth, report)
-            j.inside, j.parameters = sum(inside), len(inside)
         inside = intervals(truth["effective_parameters"], report)
         j.effective_inside, j.effective_parameters = sum(inside), len(inside)
+        if j.structure <= LOW and not truth["wrong_prior"]:
+            # The specimen's own parameters are not in the data where structure acts like other parameters.
+            inside = inside + sizes(truth, report)
+            j.inside, j.parameters = sum(inside), len(inside)
         floors, error = truth["floor"]["test"], report["error"].get("test") or {}
         both = {c: floor * (1.0 + truth["structure_error_test"].get(c, 0.0) ** 2) ** 0.5 for c, floor in floors.items()}
         j.over_floor, j.over_model = over(floors, error), over(both, error)

@@ -16,7 +16,6 @@ constant. *Source*: README of the public bench sets for the two-node limit.
 """
 
 from dataclasses import dataclass, field
-from math import ceil
 
 import numpy as np
 from bench.rig import AMBIENT, COLUMNS, FAN, HOUSING, SPEED, TORQUE, WINDING
@@ -236,10 +235,14 @@ class Network:
                 u[:, 4] = u[:, 4] + drift * mask
         return u
 
+    def substeps(self, u):
+        """Their number between each two rows, for all columns alike."""
+        return np.maximum(1, np.ceil(np.max(np.diff(u[:, 0], axis=0), axis=1) / self.longest())).astype(int)
+
     def simulate(self) -> list:
         """Per column: readings of an ideal bench by column name, and the values of the laws' drivers at the rows."""
         u = self.table()
-        longest = self.longest()
+        counts = self.substeps(u)
         y = np.tile(u[0, 4], (NODES + len(self.hidden), 1))
         x = self.point(y, u[0])
         for k, law in enumerate(self.hidden):
@@ -253,7 +256,7 @@ class Network:
             if row + 1 == len(u):
                 break
             step = u[row + 1] - u[row]
-            count = max(1, ceil(float(np.max(step[0])) / longest))
+            count = int(counts[row])
             h = step[0] / count
             for sub in range(count):
                 if sub:

@@ -20,17 +20,26 @@ between runs. The model of `motor-fmu` has two nodes: the difference is a *struc
 after a refit of the declared parameters to the fit runs, in the channel and role (fit or test) where it is largest. Each set has another
 motor, other noise with drift (inputs too), priors that are sometimes wrong, and runs that sometimes start warm.
 
+The true value of a parameter is its value in the *best two-node model*. This is the two-node model that describes the
+specimen's noise-free response in the fit runs best: a nonlinear least-squares fit, weighted with the noise, without the
+priors. Without structure error it is the specimen. With structure error its parameters can differ from the specimen's:
+a winding whose end turns release little heat responds like a two-node motor with a larger `R_wh`. The criterion compares
+the 95 % intervals with these values, in sets with a structure error of at most {low:g} standard deviations and without
+a wrong prior. Parameters of listed effects are compared with those of the set. In tables whose row states "(specimen)"
+the criterion compares with the specimen's parameters; their best two-node model and structure error are those of one
+linear step.
+
 | kind of set | true effect |
 | --- | --- |
-| null | none; a quarter of these sets have no structure error, the others 0.3 to 5 standard deviations |
+| null | none; a quarter of these sets have no structure error, the others about 0.3 to 5 standard deviations |
 | listed | one of the [effects](glossary.md#effects) that `motor-fmu` knows |
 | function | a smooth random function of a random driver at a random port |
 | product | a product of two random functions of two drivers |
 | hidden | a random function of a driver behind a first-order lag of 1 to 15 minutes |
 | mistake | an ordinary mistake in the data (unit, sign, exchanged columns, defective sensor, time) |
 
-An effect is *visible* if it changes a channel of the fit runs by at least noise and structure error together, after a refit of the declared
-parameters. The *floor* is the error of the true model with the measured inputs. Test errors are those of the channel with the largest ratio to
+An effect is *visible* if it changes a channel of the fit runs by at least noise and structure error together, after a linear refit of the
+declared parameters. The *floor* is the error of the true model with the measured inputs. Test errors are those of the channel with the largest ratio to
 its floor. A report that names a real difference between the two models (for example a second heat capacity) is not counted as a false alarm.
 A driver counts as correct if its best function explains 98 % of the law over the fit runs.
 
@@ -82,7 +91,7 @@ def section(stored: dict, newest: bool) -> str:
 def page(tables: list) -> str:
     """Newest first."""
     order = sorted(tables, key=lambda t: (t["date"], t["seed"]), reverse=True)
-    parts = [HEAD.format(command=order[0]["command"] or "python -m blind.score")]
+    parts = [HEAD.format(command=order[0]["command"] or "python -m blind.score", low=j.LOW)]
     return "\n".join([*parts, *(section(t, t is order[0]) for t in order), AGAIN])
 
 

@@ -140,6 +140,7 @@ def criteria(sets: list) -> list:
     repaired = [s for s in sets if s.over_refit is not None]
     plain = [s for s in seen if s.kind != "hidden"]
     hidden = [s for s in seen if s.kind == "hidden"]
+    compared = sorted({s.compared for s in sets})
     return [
         Rate("listed effects named, of visible ones", count(visible, j.RIGHT), len(visible), least=0.95, bound=0.90),
         Rate(
@@ -163,7 +164,9 @@ def criteria(sets: list) -> list:
             bound=0.04,
         ),
         Coverage(
-            "true parameters inside their 95 % interval", sum(s.inside for s in sets), sum(s.parameters for s in sets)
+            f"true parameters ({' or '.join(compared)}) inside their 95 % interval",
+            sum(s.inside for s in sets),
+            sum(s.parameters for s in sets),
         ),
         Rate("mistakes in the data handled", count(mistakes, j.RIGHT), len(mistakes), least=0.95, bound=0.90),
         Rate(
@@ -203,7 +206,7 @@ def information(sets: list) -> list:
             len(groups[j.NULL]),
         ),
         Coverage(
-            "parameters of the best two-node model inside, all sets",
+            "true parameters (best two-node model) inside their 95 % interval, all sets",
             sum(s.effective_inside for s in sets),
             sum(s.effective_parameters for s in sets),
             False,
