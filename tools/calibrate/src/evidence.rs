@@ -17,6 +17,7 @@
 
 mod gains;
 mod memory;
+mod prior;
 #[cfg(test)]
 mod tests;
 
@@ -25,6 +26,7 @@ use crate::selection::NEAR;
 use gains::Seen;
 pub use memory::{Memory, Series};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+pub use prior::Prior;
 
 /// Drifts that are compared: ratio of its standard deviation to that of the noise, and correlation time, s. Tuned: thermocouples drift
 /// by up to their noise within an hour.
@@ -34,8 +36,6 @@ const DRIFTS: [(f64, f64); 7] =
 const APART: f64 = 3.0;
 /// Inverse prior variance of absent components. Numerical: they are zero.
 const ABSENT: f64 = 1e30;
-/// Prior precision of a parameter without prior. Numerical: negligible, but gives parameters without influence a finite variance.
-const FLAT: f64 = 1e-8;
 /// Largest number of estimates of the noise. Numerical: each changes what drift and structure error leave, the second by a few percent.
 const REPETITIONS: usize = 3;
 /// Relative variance added to the diagonal of a drift's covariance. Numerical: keeps it positive definite.
@@ -49,7 +49,7 @@ const SIZES: [f64; 5] = [1.0, 3e1, 1e3, 3e4, 1e6];
 /// A residual with the columns of the null model.
 #[derive(Clone)]
 pub struct Evidence {
-    apart: Vec<f64>,
+    prior: Prior,
     /// Time and sensor of each drift column.
     knots: Vec<(f64, usize)>,
     /// Outputs and runs of the values.
@@ -128,19 +128,18 @@ pub struct Gain {
 }
 
 impl Evidence {
-    /// The null model of a residual. `slopes` are sensitivities to the parameters in units of their prior deviations, `apart` their
-    /// deviations from the prior in this unit (NaN without a prior), `drift` the columns of B for a drift with the deviation of the noise,
-    /// `knots` the time and the sensor of each of them, and `series` the outputs and runs of the values.
+    /// The null model of a residual. `slopes` are sensitivities to the parameters in the units of their `prior`, `drift` the columns of B
+    /// for a drift with the deviation of the noise, `knots` the time and the sensor of each of them, and `series` the outputs and runs of
+    /// the values.
     pub fn new(
         r: DVector<f64>,
         slopes: &DMatrix<f64>,
-        apart: &[f64],
+        prior: Prior,
         drift: &DMatrix<f64>,
         knots: &[(f64, usize)],
         series: Vec<Series>,
     ) -> Option<Evidence> {
-        let mut evidence =
-            Evidence { apart: apart.to_vec(), knots: knots.to_vec(), series, noises: Vec::new() };
+        let mut evidence = Evidence { prior, knots: knots.to_vec(), series, noises: Vec::new() };
         let mut white = Noise::white(r, beside(slopes, drift), &DMatrix::zeros(0, 0));
         let ztr = white.z.tr_mul(&white.r);
         let states = evidence.drifts().iter().map(|drift| evidence.state(&white, &ztr, *drift, 0.0));
@@ -158,8 +157,8 @@ impl Evidence {
     pub fn with_structure(&self, columns: &DMatrix<f64>) -> Option<Evidence> {
         let own = &self.noises[0];
         let mut white = Noise::white(own.r.clone(), beside(&own.z, columns), &own.ztz);
-        let (apart, knots, series) = (self.apart.clone(), self.knots.clone(), self.series.clone());
-        let mut other = Evidence { apart, knots, series, noises: Vec::new() };
+        let (prior, knots, series) = (self.prior.clone(), self.knots.clone(), self.series.clone());
+        let mut other = Evidence { prior, knots, series, noises: Vec::new() };
         let ztr = white.z.tr_mul(&white.r);
         let plain = own.states.iter().map(|s| other.state(&white, &ztr, s.drift, 0.0));
         let plain = plain.collect::<Option<Vec<_>>>()?;
@@ -192,6 +191,23 @@ impl Evidence {
             simpler.map(|(_, s)| s).chain(sizes).collect()
         };
         other.noises.push(white);
+        Some(other)
+    }
+
+    /// The same null model without the priors of tables. Whether a run asks for another size is judged without them: a table that only this
+    /// run determines would trade its prior against the size.
+    pub fn without_tables(&self) -> Option<Evidence> {
+        if !self.prior.has_tables() {
+            return Some(self.clone());
+        }
+        let mut other = Evidence { prior: self.prior.without_tables(), ..self.clone() };
+        for n in 0..other.noises.len() {
+            let noise = &other.noises[n];
+            let ztr = noise.z.tr_mul(&noise.r);
+            let states = noise.states.iter().map(|s| other.state(noise, &ztr, s.drift, s.size));
+            let states = states.collect::<Option<Vec<_>>>()?;
+            other.noises[n].states = states;
+        }
         Some(other)
     }
 
@@ -257,12 +273,11 @@ impl Evidence {
 
     /// The null model for given noise, drift and size of the structure error.
     fn state(&self, noise: &Noise, ztr: &DVector<f64>, drift: (f64, f64), size: f64) -> Option<State> {
-        let p = self.apart.len();
+        let p = self.prior.count();
         let (l, prior_determinant) = self.precision(noise.z.ncols(), drift, size)?;
-        let finite = |(k, apart): (usize, &f64)| apart.is_finite().then_some((k, *apart));
-        let apart = || self.apart.iter().enumerate().filter_map(finite);
         let mut rhs = ztr.clone();
-        apart().for_each(|(k, apart)| rhs[k] -= apart);
+        let mut own = rhs.rows_mut(0, p);
+        own -= &self.prior.pull;
         let whole = &noise.ztz + &l;
         let coefficients = noise.z.ncols() - p;
         let inner = whole.view((p, p), (coefficients, coefficients)).into_owned();
@@ -270,19 +285,16 @@ impl Evidence {
         let factor = whole.cholesky()?;
         let c = factor.solve(&rhs);
         let left = &noise.r - &noise.z * &c;
-        let prior_cost: f64 = apart().map(|(_, apart)| apart * apart).sum();
-        let cost = noise.r.norm_squared() + prior_cost - rhs.dot(&c) + determinant;
+        let cost = noise.r.norm_squared() + self.prior.cost - rhs.dot(&c) + determinant;
         Some(State { factor, left, cost, rhs, drift, size })
     }
 
     /// L for given drift and size of the structure error, for `all` columns, and minus the log determinant of the part of drift and
     /// structure error.
     fn precision(&self, all: usize, (sd, length): (f64, f64), size: f64) -> Option<(DMatrix<f64>, f64)> {
-        let (p, d) = (self.apart.len(), self.knots.len());
+        let (p, d) = (self.prior.count(), self.knots.len());
         let mut l = DMatrix::zeros(all, all);
-        for (k, apart) in self.apart.iter().enumerate() {
-            l[(k, k)] = if apart.is_finite() { 1.0 } else { FLAT };
-        }
+        l.view_mut((0, 0), (p, p)).copy_from(&self.prior.precision);
         let mut determinant = 0.0;
         if sd > 0.0 {
             let kernel = DMatrix::from_fn(d, d, |a, b| {

@@ -5,7 +5,7 @@ use crate::overrides::Override;
 use nalgebra::{DMatrix, DVector};
 use physics::components::sensor::lagged;
 use physics::model::Slot;
-use physics::terms::{Driver, Drivers, Factor, GenericTerm, Lag, Law, Port, Product, Table};
+use physics::terms::{Driver, Drivers, Factor, GenericTerm, Grid, Lag, Law, Port, Product, Table};
 
 /// A parameter of an addition.
 #[derive(Clone, Debug)]
@@ -41,15 +41,35 @@ pub enum Shape {
         /// The driver with offset and reference value; the exponent, unless it is a number of the addition.
         factor: Factor,
     },
-    /// A table over a driver, with one number for each point.
+    /// A table over one or two drivers, with one number for each point; those of the last driver follow each other.
     Table {
-        /// The driver.
-        driver: Driver,
-        /// The points.
-        knots: Vec<f64>,
+        /// The drivers with their points.
+        axes: Vec<Axis>,
         /// Inverse of the prior covariance of the values: the data do not determine those that they do not contain.
         precision: DMatrix<f64>,
     },
+}
+
+/// A driver of a table with its points.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// The driver.
+    pub driver: Driver,
+    /// The points, ascending.
+    pub knots: Vec<f64>,
+}
+
+/// Weight of the `k`-th value of a table at the values of its drivers.
+pub fn weight(axes: &[Axis], k: usize, of: impl Fn(Driver) -> f64) -> f64 {
+    let mut place = k;
+    axes.iter()
+        .rev()
+        .map(|axis| {
+            let own = place % axis.knots.len();
+            place /= axis.knots.len();
+            hat(&axis.knots, own, of(axis.driver))
+        })
+        .product()
 }
 
 /// An addition to a model.
@@ -71,7 +91,7 @@ pub struct Addition {
     pub late: Option<Driver>,
 }
 
-/// Parameters of a table in the complexity penalty, for each point. Tuned: values of neighbouring points are correlated.
+/// Parameters of a table in the complexity penalty, for each point of a driver. Tuned: values of neighbouring points are correlated.
 const POINT_PRICE: f64 = 0.5;
 /// Relative change of a time constant for its finite-difference sensitivity. Numerical: the error of the sensitivity is 0.1 %.
 const WAY: f64 = 1e-3;
@@ -90,13 +110,19 @@ pub fn followed(time: &[f64], drivers: &[Drivers], lag: Lag) -> Vec<f64> {
 }
 
 impl Addition {
-    /// Index of its kind: listed effect, power law, table, law with a lag.
+    /// Index of its kind: listed effect, power law, table, law with a lag, table over two drivers.
     pub fn kind(&self) -> usize {
-        match self.shape {
+        match &self.shape {
             _ if self.late.is_some() => 3,
             Shape::Listed { .. } => 0,
             Shape::Power { .. } => 1,
-            Shape::Table { .. } => 2,
+            Shape::Table { axes, .. } => {
+                if axes.len() > 1 {
+                    4
+                } else {
+                    2
+                }
+            }
         }
     }
 
@@ -109,7 +135,7 @@ impl Addition {
     pub fn sizes(&self) -> usize {
         match &self.shape {
             Shape::Listed { .. } | Shape::Power { .. } => 1,
-            Shape::Table { knots, .. } => knots.len(),
+            Shape::Table { axes, .. } => axes.iter().map(|axis| axis.knots.len()).product(),
         }
     }
 
@@ -148,10 +174,10 @@ impl Addition {
         matches!(&self.shape, Shape::Listed { stores: true, .. })
     }
 
-    /// Number of parameters in the complexity penalty: half for a table, since neighbouring values are correlated.
+    /// Number of parameters in the complexity penalty: half for each driver of a table, since neighbouring values are correlated.
     pub fn price(&self) -> f64 {
-        let count = self.numbers.len() as f64;
-        if self.is_table() { POINT_PRICE * count } else { count }
+        let drivers = if let Shape::Table { axes, .. } = &self.shape { axes.len() as i32 } else { 0 };
+        POINT_PRICE.powi(drivers) * self.numbers.len() as f64
     }
 
     /// The law as data, unless it is a listed effect.
@@ -167,8 +193,18 @@ impl Addition {
                 let factors = [(factor.exponent != 0.0).then_some(factor), None, None];
                 Law::Product(Product { coefficient, factors })
             }
-            Shape::Table { driver, knots, .. } => {
-                Law::Table(Table::new(*driver, knots, &self.values(knots.len()))?)
+            Shape::Table { axes, .. } => {
+                let values = self.values();
+                match &axes[..] {
+                    [own] => Law::Table(Table::new(own.driver, &own.knots, &values)?),
+                    [rows, columns] => {
+                        let values: Vec<Vec<f64>> =
+                            values.chunks(columns.knots.len()).map(<[f64]>::to_vec).collect();
+                        let drivers = [rows.driver, columns.driver];
+                        Law::Grid(Grid::new(drivers, [&rows.knots, &columns.knots], &values)?)
+                    }
+                    _ => return None,
+                }
             }
         };
         Some(GenericTerm { port: self.port, law, lag: self.lag() })
@@ -176,13 +212,13 @@ impl Addition {
 
     /// The values of a table and the inverse of their prior covariance; their prior mean is zero.
     fn prior(&self) -> Option<(DVector<f64>, &DMatrix<f64>)> {
-        let Shape::Table { knots, precision, .. } = &self.shape else { return None };
-        Some((DVector::from_vec(self.values(knots.len())), precision))
+        let Shape::Table { precision, .. } = &self.shape else { return None };
+        Some((DVector::from_vec(self.values()), precision))
     }
 
-    /// The first numbers: those of a table, without its time constant.
-    fn values(&self, count: usize) -> Vec<f64> {
-        self.numbers[..count].iter().map(|n| n.value).collect()
+    /// The values of a table, without its time constant.
+    fn values(&self) -> Vec<f64> {
+        self.numbers[..self.sizes()].iter().map(|n| n.value).collect()
     }
 
     /// Adds this addition to the overrides of a model.
@@ -212,7 +248,7 @@ impl Addition {
                     0.0
                 }
             }
-            Shape::Table { driver, knots, .. } => hat(knots, number, drivers.of(*driver)),
+            Shape::Table { axes, .. } => weight(axes, number, |driver| drivers.of(driver)),
         }
     }
 }
@@ -366,6 +402,30 @@ mod tests {
         assert_eq!(addition(Shape::Power { factor }, &[0.3, 0.7]).slope(1, &at(0.0)), 0.0);
     }
 
+    fn table_of(axes: &[(Driver, &[f64])]) -> Shape {
+        let axes: Vec<Axis> =
+            axes.iter().map(|(driver, knots)| Axis { driver: *driver, knots: knots.to_vec() }).collect();
+        let n = axes.iter().map(|axis| axis.knots.len()).product();
+        Shape::Table { axes, precision: DMatrix::zeros(n, n) }
+    }
+
+    /// The value of a table over two drivers is the sum of its derivatives times its numbers, inside the grid and outside.
+    #[test]
+    fn a_table_over_two_drivers_is_linear_in_its_values() {
+        let values = [1.0, -2.0, 0.5, 3.0, 4.0, -1.0];
+        let own = addition(
+            table_of(&[(Driver::Speed, &[0.0, 50.0]), (Driver::HousingTemperature, &[290.0, 310.0, 350.0])]),
+            &values,
+        );
+        let term = own.term().unwrap();
+        for (speed, housing_temperature) in [(0.0, 310.0), (20.0, 333.0), (49.0, 291.0), (80.0, 280.0)] {
+            let here = Drivers { speed, housing_temperature, ..Drivers::default() };
+            let sum: f64 = values.iter().enumerate().map(|(k, v)| v * own.slope(k, &here)).sum();
+            assert!((sum - term.value(&here)).abs() < 1e-12, "{speed} {housing_temperature}");
+        }
+        assert_eq!((own.kind(), own.sizes(), own.price()), (4, 6, 1.5));
+    }
+
     /// The generic term contains the current numbers.
     #[test]
     fn a_term_has_its_numbers() {
@@ -373,10 +433,7 @@ mod tests {
         let term = addition(Shape::Power { factor }, &[0.3, 0.7]).term().unwrap();
         let Law::Product(product) = term.law else { panic!("{term:?}") };
         assert_eq!((product.coefficient, product.factors[0].unwrap().exponent), (0.3, 0.7));
-        let table = addition(
-            Shape::Table { driver: Driver::Speed, knots: vec![0.0, 10.0], precision: DMatrix::zeros(2, 2) },
-            &[1.0, 3.0],
-        );
+        let table = addition(table_of(&[(Driver::Speed, &[0.0, 10.0])]), &[1.0, 3.0]);
         assert!(matches!(table.term().unwrap().law, Law::Table(_)));
         let mut change = Override::default();
         table.apply(&mut change);
@@ -392,10 +449,7 @@ mod tests {
             addition(Shape::Listed { slots: Vec::new(), with: Vec::new(), stores: false }, &[5.0]);
         second.numbers.push(number(77.0, false));
         second.numbers.push(number(6.0, true));
-        let first = addition(
-            Shape::Table { driver: Driver::Speed, knots: vec![0.0, 1.0], precision: DMatrix::zeros(2, 2) },
-            &[3.0, 4.0],
-        );
+        let first = addition(table_of(&[(Driver::Speed, &[0.0, 1.0])]), &[3.0, 4.0]);
         let mut hypothesis = Hypothesis { declared: vec![1.0, 2.0], additions: vec![first, second] };
         assert_eq!(hypothesis.numbers(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         let others: Vec<f64> = (10..16).map(f64::from).collect();

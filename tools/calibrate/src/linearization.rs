@@ -2,7 +2,7 @@
 
 use crate::CalibrateError;
 use crate::catalogue::{LISTED, Listed, Way};
-use crate::evidence::{Evidence, Series};
+use crate::evidence::{Evidence, Prior, Series};
 use crate::experiment::Channel;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::{Addition, Shape, hat};
@@ -482,6 +482,10 @@ fn evidence(
         }
         last = Some((run, block.output));
     }
-    Evidence::new(DVector::from_vec(residual), &slopes, &apart, &drift, &knots, series)
+    let mut prior = Prior::new(&apart);
+    for (place, values, precision) in fitted.hypothesis.priors() {
+        prior.table(place, &values, precision, &scales[place..]);
+    }
+    Evidence::new(DVector::from_vec(residual), &slopes, prior, &drift, &knots, series)
         .ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))
 }

@@ -162,7 +162,7 @@ impl<T: Serialize> Serialize for InOrder<'_, T> {
 struct Effect<'a> {
     id: &'a str,
     port: &'static str,
-    driver: Option<&'static str>,
+    driver: Option<String>,
     alternatives: &'a [String],
     runs: &'a [String],
     everywhere: bool,
@@ -192,7 +192,7 @@ struct Parameter {
 #[derive(Debug, Serialize)]
 struct Unexplained {
     port: &'static str,
-    driver: Option<&'static str>,
+    driver: Option<String>,
     added: bool,
     unit: &'static str,
     driver_unit: Option<&'static str>,
@@ -233,7 +233,7 @@ struct Pair<'a> {
 struct Localised {
     port: &'static str,
     share: f64,
-    driver: Option<&'static str>,
+    driver: Option<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -416,10 +416,6 @@ pub fn unit(port: Port) -> &'static str {
 }
 
 fn unexplained(found: &outcome::Unexplained) -> Unexplained {
-    let driver = match found.follows {
-        outcome::Follows::Driver(driver) => Some(driver_unit(driver)),
-        _ => None,
-    };
     let point = |(driver, value, deviation): &(f64, f64, f64)| Linearization {
         driver: *driver,
         value: *value,
@@ -430,7 +426,7 @@ fn unexplained(found: &outcome::Unexplained) -> Unexplained {
         driver: found.follows.name(),
         added: found.added,
         unit: unit(found.port),
-        driver_unit: driver,
+        driver_unit: found.follows.drivers().next().map(driver_unit),
         shape: found.shape.iter().map(point).collect(),
     }
 }

@@ -5,14 +5,16 @@
 //! | an effect of the list, in all runs or in some | size |
 //! | at every port a smooth function of every driver | as many as the evidence supports, [`Evidence::shape`](crate::evidence) |
 //! | at every port a power law of every driver | coefficient, exponent |
+//! | at the ports selected by latent inputs a smooth function of two drivers | as many as the evidence supports |
 //! | at every port a latent input (unconstrained in time) | as many as the evidence supports |
-//! | at the ports selected by these: laws over a first-order lag of a driver or of a heat flow | as for a power or a shape, time constant
+//! | at the same ports: laws over a first-order lag of a driver or of a heat flow | as for a power or a shape, time constant
 //! |
-//! | at the ports selected by these: latching, hysteresis switching, intermittent action | size and threshold, width or period |
+//! | at the same ports: latching, hysteresis switching, intermittent action | size and threshold, width or period |
 //!
 //! Candidates are compared by the reduction of the evidence's cost minus ln n for each parameter (BIC, Schwarz), n the number of blocks.
 
 mod hidden;
+mod laws;
 mod memory_terms;
 mod structure;
 #[cfg(test)]
@@ -20,43 +22,24 @@ mod tests;
 
 use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Gain;
-use crate::experiment::Channel;
-use crate::hypothesis::{Addition, Number, Shape, hat, power};
+use crate::hypothesis::Addition;
 use crate::levels::{NEARLY, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::selection::NEAR;
+use laws::{of_two, powers, smooth};
 use memory_terms::{FREE, histories, latent_inputs};
 pub use memory_terms::{best_memory_term, latent_input, latent_input_at, needs_memory};
-use nalgebra::DMatrix;
-use physics::terms::{Driver, Drivers, Factor, Port};
+use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 pub use structure::structure;
-
-/// Knots of a smooth function of a driver. Numerical: its prior correlates neighbouring knots by 0.85, exp(-1/6).
-const KNOTS: usize = 7;
 /// Times per run at which a step change is tried. Numerical: every row near the best one follows.
 const TIMES: usize = 60;
 /// Number of times for which the gains are computed together. Numerical: a block of columns that fits into the cache.
 const TOGETHER: usize = 32;
-/// A driver whose variation is less than this fraction of its size cannot determine a shape. Numerical: excludes constant drivers.
-const STILL: f64 = 0.01;
 /// Number of best shapes for which power laws are tried. Numerical: a power law is also a smooth shape, so those of further shapes
 /// explain less.
 const LIKELY: usize = 16;
-/// Size of a temperature driver, K, relative to which its variation counts. Numerical: as for `STILL`.
-const TEMPERATURES: f64 = 20.0;
-/// Least distance of two knots as a fraction of the span. Numerical: the hat functions of closer knots are nearly collinear.
-const KNOT_APART: f64 = 0.02;
-/// Least reference value of a driver, in its unit. Numerical: avoids a division by zero.
-const LEAST_REFERENCE: f64 = 1e-9;
-/// Limits of an exponent. Limit: losses and drops of motors grow with powers from 0.5 (brush drop) to 3 (windage); beyond these limits
-/// a power is a step.
-const EXPONENT_LIMITS: (f64, f64) = (0.1, 5.0);
-/// Unit of an exponent in the fit. Numerical: scale of a variable.
-const EXPONENT_SCALE: f64 = 0.05;
-/// Exponents that are tried. Numerical: the fit determines the exponent.
-const EXPONENTS: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
 /// Time constants of a sensor, s, that are tried. Numerical: starts of a fit.
 const LAGS: [f64; 3] = [10.0, 30.0, 90.0];
 /// Capacity and resistance of a new node that are tried, as fractions of those of housing and winding. Numerical: starts of a fit.
@@ -109,7 +92,9 @@ impl Scored {
 /// Penalty for the choice among all ports and drivers: -2 ln p with equal probabilities. A law by which the fan or the ambient temperature
 /// acts inside the motor has to explain more, by strong evidence: they reach the motor and its sensors through the air only.
 pub fn choice(port: Port, follows: Follows) -> f64 {
-    let equal = 2.0 * ((Port::ALL.len() * Driver::ALL.iter().filter(|d| !d.is_heat()).count()) as f64).ln();
+    let drivers = Driver::ALL.iter().filter(|d| !d.is_heat()).count();
+    let laws = if matches!(follows, Follows::Both(..)) { drivers * (drivers - 1) / 2 } else { drivers };
+    let equal = 2.0 * ((Port::ALL.len() * laws) as f64).ln();
     let of_the_air = [Driver::FanCommand, Driver::AmbientTemperature];
     let is_outside = matches!(
         port,
@@ -120,74 +105,19 @@ pub fn choice(port: Port, follows: Follows) -> f64 {
             | Port::HousingSensor
             | Port::TorqueSensor
     );
-    let is_odd = of_the_air.iter().any(|d| [Follows::Driver(*d), Follows::Late(*d)].contains(&follows));
+    let is_odd = follows.drivers().any(|driver| of_the_air.contains(&driver));
     equal + if is_odd && !is_outside { NEAR } else { 0.0 }
 }
 
-/// Knots over a driver's values in the runs: least, greatest, and points between.
-fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
-    let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
-    values.sort_by(f64::total_cmp);
-    let (least, most) = (values[0], values[values.len() - 1]);
-    let span = most - least;
-    let size = match driver {
-        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => TEMPERATURES,
-        _ => most.abs().max(least.abs()),
-    };
-    if span.is_nan() || span <= STILL * size {
-        return None;
-    }
-    let mut all: Vec<f64> = Vec::new();
-    for k in 0..KNOTS {
-        let share = k as f64 / (KNOTS - 1) as f64;
-        // Half by rows, half by span: knots where data is dense, without coincident knots.
-        let by_rows = values[((values.len() - 1) as f64 * share) as usize];
-        let x = 0.5 * by_rows + 0.5 * (least + span * share);
-        if all.last().is_none_or(|last| x - last > KNOT_APART * span) {
-            all.push(x);
+/// The temperature of the node at which a port acts, and that of the other node.
+pub fn temperatures(port: Port) -> Option<(Driver, Driver)> {
+    let (winding, housing) = (Driver::WindingTemperature, Driver::HousingTemperature);
+    match port {
+        Port::HousingHeat | Port::HousingAmbientConductance | Port::HeatCapacity | Port::HousingSensor => {
+            Some((housing, winding))
         }
-    }
-    Some(all)
-}
-
-/// Prior covariance of a shape's values: those of neighbouring knots are correlated.
-fn alike(knots: &[f64]) -> DMatrix<f64> {
-    let span = knots[knots.len() - 1] - knots[0];
-    DMatrix::from_fn(knots.len(), knots.len(), |a, b| (-(knots[a] - knots[b]).abs() / span).exp())
-}
-
-/// A table whose values have the prior of (4) in `evidence.rs` with the variance q that the data give.
-///
-/// q = [v' K^-1 v + tr(K^-1 S)] / n,   v and S: mean and covariance of the n values given the data                     (1)
-///
-/// *Source*: MacKay, Neural Computation 4 (1992) 415-447: at the most probable q; K correlates neighbouring values ([`alike`]).
-fn table(driver: Driver, knots: Vec<f64>, gain: &Gain) -> Shape {
-    let n = knots.len();
-    let values = gain.size.rows(0, n);
-    let precision = alike(&knots).cholesky().map_or_else(|| DMatrix::zeros(n, n), |factor| factor.inverse());
-    let spread = (&precision * gain.covariance.view((0, 0), (n, n))).trace();
-    let q = (values.dot(&(&precision * values)) + spread) / n as f64;
-    Shape::Table { driver, knots, precision: precision / q }
-}
-
-/// Offset and reference value of a driver.
-fn scale(point: &Linearization, driver: Driver) -> Factor {
-    let offset = match driver {
-        Driver::WindingTemperature | Driver::HousingTemperature => 298.15,
-        Driver::AmbientTemperature => 293.15,
-        _ => 0.0,
-    };
-    let most = point.drivers().map(|d| (d.of(driver) - offset).abs()).fold(0.0, f64::max);
-    Factor { driver, offset, reference: most.max(LEAST_REFERENCE), exponent: 1.0 }
-}
-
-/// Whether the driver is measured: a load that is imposed, a temperature of a node that has a sensor.
-fn is_known(point: &Linearization, driver: Driver) -> bool {
-    let has_sensor = || Channel::reading(driver).is_none_or(|c| point.is_read(c));
-    match driver {
-        Driver::LoadTorque => point.setup.has_load(),
-        Driver::WindingTemperature | Driver::HousingTemperature => has_sensor(),
-        _ => true,
+        Port::WindingHeat | Port::WindingResistance | Port::WindingSensor => Some((winding, housing)),
+        _ => None,
     }
 }
 
@@ -215,11 +145,12 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
             .filter(|(_, driver, _)| *driver != Driver::Time)
             .flat_map_iter(|(port, driver, _)| powers(point, *port, *driver, per_number)),
     );
-    all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
     let mut free: Vec<Scored> =
         Port::ALL.par_iter().filter_map(|port| latent_inputs(point, *port, per_number)).collect();
     free.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
+    all.extend(of_two(point, &ports, &shapes, per_number));
+    all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
     all.extend(hidden::lagging(point, &ports, per_number));
     all.par_extend(ports.par_iter().flat_map_iter(|port| histories(point, *port, per_number)));
     all.extend(free);
@@ -410,82 +341,4 @@ fn scored(name: String, port: Port, follows: Follows, gain: &Gain, cost: f64, x:
         raw: gain.raw - cost,
         shape,
     }
-}
-
-fn smooth(point: &Linearization, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
-    let knots = knots(point, driver)?;
-    let hidden = point.hidden(Some(driver));
-    let value = |k: usize, d: &Drivers| if hidden(d) { 0.0 } else { hat(&knots, k, d.of(driver)) };
-    let columns = point.port_columns(port, knots.len(), |k, _, _, d| value(k, d))?;
-    let gain = point.evidence.shape(&columns, &alike(&knots))?;
-    let name = format!("{} over {}", port.name(), driver.name());
-    let follows = Follows::Driver(driver);
-    let mut found = scored(name, port, follows, &gain, 2.0 * per_number + choice(port, follows), &knots);
-    let number = |(k, x): (usize, &f64)| Number {
-        symbol: format!("value at {} = {x:.4}", driver.name()),
-        value: gain.size[k],
-        limits: (f64::NEG_INFINITY, f64::INFINITY),
-        unit: port.unit().name(),
-        scale: gain.covariance[(k, k)].sqrt(),
-        sloped: true,
-    };
-    let numbers: Vec<Number> = knots.iter().enumerate().map(number).collect();
-    // A law over time in these runs does not carry over to other runs, so it cannot be added.
-    found.addition = (driver != Driver::Time).then(|| Addition {
-        id: "generic_term".to_string(),
-        port,
-        follows: Follows::Driver(driver),
-        numbers,
-        shape: table(driver, knots, &gain),
-        active: vec![true; point.setup.experiment.runs.len()],
-        late: None,
-    });
-    Some(found)
-}
-
-fn powers(point: &Linearization, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
-    knots(point, driver)?;
-    let factor = scale(point, driver);
-    let hidden = point.hidden(Some(driver));
-    let value = |k: usize, d: &Drivers| {
-        if hidden(d) { 0.0 } else { power(&factor, d.of(driver), EXPONENTS[k]) }
-    };
-    let columns = point.port_columns(port, EXPONENTS.len(), |k, _, _, d| value(k, d))?;
-    let gains = EXPONENTS.into_iter().zip(point.evidence.gains(&columns));
-    // A drag or a voltage drop with negative coefficient would be a source and is not physical.
-    let is_physical =
-        |gain: &Gain| !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;
-    let physical = gains.filter_map(|(exponent, gain)| Some((exponent, gain.filter(is_physical)?)));
-    let (exponent, gain) = physical.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
-    let name = format!("{} ~ {}^{exponent}", port.name(), driver.name());
-    let follows = Follows::Driver(driver);
-    let mut found = scored(name, port, follows, &gain, 2.0 * per_number + choice(port, follows), &[0.0]);
-    let number = |symbol: &str, value: f64, limits: (f64, f64), unit: &'static str, scale: f64| Number {
-        symbol: symbol.to_string(),
-        value,
-        limits,
-        unit,
-        scale,
-        sloped: true,
-    };
-    let spread = gain.covariance[(0, 0)].sqrt();
-    found.addition = Some(Addition {
-        id: "generic_term".to_string(),
-        port,
-        follows: Follows::Driver(driver),
-        shape: Shape::Power { factor: Factor { exponent, ..factor } },
-        numbers: vec![
-            number(
-                "coefficient",
-                gain.size[0],
-                (f64::NEG_INFINITY, f64::INFINITY),
-                port.unit().name(),
-                spread,
-            ),
-            number("exponent", exponent, EXPONENT_LIMITS, "1", EXPONENT_SCALE),
-        ],
-        active: vec![true; point.setup.experiment.runs.len()],
-        late: None,
-    });
-    Some(found)
 }

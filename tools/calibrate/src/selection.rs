@@ -14,7 +14,7 @@ use crate::hypothesis::{Addition, Hypothesis};
 use crate::levels::{DECISIVE, LEAD, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
-use crate::search::{Scored, choice};
+use crate::search::{Scored, choice, temperatures};
 use crate::setup::Setup;
 use gate::gate;
 pub use gate::{acting, asked, predicts_where_it_acts};
@@ -27,11 +27,11 @@ pub const LEAST: f64 = 10.0;
 /// Costs that differ by less cannot be distinguished; a lower validation cost must differ by as much: strong evidence. Source: as for
 /// [`LEAST`].
 pub const NEAR: f64 = 6.0;
-/// Numbers of candidates with distinct names: effects of the list, power laws, shapes, laws with a lag. Numerical: a limit of effort; the
+/// Numbers of candidates with distinct names: effects of the list, power laws, shapes, laws with a lag, shapes over two drivers. Numerical: a limit of effort; the
 /// others explain less to first order.
-const CANDIDATES: [usize; 4] = [6, 2, 2, 2];
+const CANDIDATES: [usize; 5] = [6, 2, 2, 2, 2];
 /// Numbers of additional candidates, ranked by the other measure. Numerical: as for [`CANDIDATES`].
-const FURTHER: [usize; 4] = [3, 1, 1, 1];
+const FURTHER: [usize; 5] = [3, 1, 1, 1, 1];
 /// A candidate with its own heat capacity takes ten times as long to simulate; it is fitted only if its evidence is at least this
 /// fraction of the best. Numerical: a limit of effort.
 const STORED: f64 = 0.2;
@@ -189,19 +189,26 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     for candidate in &mut candidates {
         candidate.refused = at_limit(candidate.addition());
     }
-    // A listed effect is preferred to a shape that explains little more, and a law without an additional state to one with it.
+    // A listed effect is preferred to a shape that explains little more, and a law of one driver to one of two or with an additional state.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
     let first = order.first().map(|k| &candidates[*k]);
     let best = first.map_or(0.0, Candidate::sure);
-    let is_late = |c: &Candidate| c.addition().late.is_some();
-    let is_best_late = first.is_some_and(is_late);
+    let is_simple = |c: &Candidate| matches!(c.addition().follows, Follows::Nothing | Follows::Driver(_));
+    let is_best_simple = first.is_none_or(is_simple);
     let near = LEAST.max(best * STRUCTURE);
+    // A second driver is a further addition: it has to explain as much as one.
+    let is_part = |c: &Candidate, whole: &Candidate| {
+        matches!(whole.addition().follows, Follows::Both(..))
+            && matches!(c.addition().follows, Follows::Driver(own) if whole.addition().follows.drivers().any(|d| d == own))
+            && c.addition().port == whole.addition().port
+            && best - c.sure() < asked(&c.point, &whole.point)
+    };
     let stands = |c: &Candidate| {
-        let is_simple = c.addition().is_listed() || (is_best_late && !is_late(c));
-        is_simple && best - c.sure() < near
+        let is_preferred = c.addition().is_listed() || (!is_best_simple && is_simple(c));
+        is_preferred && (best - c.sure() < near || first.is_some_and(|whole| is_part(c, whole)))
     };
     order.sort_by_key(|k| !stands(&candidates[*k]));
-    order_by_likelihood(&candidates, &mut order);
+    order_by_likelihood(&candidates, &mut order, near);
     for k in order {
         // A candidate that explains far less than an accepted one is not tested.
         if taken.is_some_and(|t: usize| candidates[t].sure() - candidates[k].sure() > NEAR) {
@@ -235,7 +242,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
 /// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
 /// sensor error that depends on the motor, an effect at a node depends on the temperature of that node, and a driver that is measured is
 /// preferred to a heat flow that the model computes from it.
-fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>) {
+fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>, near: f64) {
     let unnamed = |k: &usize| !candidates[*k].addition().is_listed();
     for strange in [is_at_a_sensor as fn(&Addition) -> bool, follows_another_node, follows_a_heat] {
         let Some(first) = order.iter().position(unnamed) else { return };
@@ -248,7 +255,7 @@ fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>) {
             unnamed(k)
                 && !strange(other.addition())
                 && (is_sensor(best.addition().port) || other.addition().port == best.addition().port)
-                && best.sure() - other.sure() < NEAR
+                && best.sure() - other.sure() < near
         };
         if let Some(other) = order.iter().position(as_well) {
             let other = order.remove(other);
@@ -262,14 +269,8 @@ fn is_at_a_sensor(addition: &Addition) -> bool {
 }
 
 fn follows_another_node(addition: &Addition) -> bool {
-    let other = match addition.port {
-        Port::HousingHeat | Port::HousingAmbientConductance | Port::HeatCapacity | Port::HousingSensor => {
-            Driver::WindingTemperature
-        }
-        Port::WindingHeat | Port::WindingResistance | Port::WindingSensor => Driver::HousingTemperature,
-        _ => return false,
-    };
-    addition.follows == Follows::Driver(other)
+    let of_other = |(_, other): (Driver, Driver)| addition.follows == Follows::Driver(other);
+    temperatures(addition.port).is_some_and(of_other)
 }
 
 fn follows_a_heat(addition: &Addition) -> bool {
@@ -284,11 +285,11 @@ fn is_sensor(port: Port) -> bool {
 /// table is held constant: a table has to be clearly better.
 fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize) -> usize {
     let place = |c: &Candidate| (c.addition().port, c.addition().follows);
+    if let Some(law) = law_ahead(point, candidates, k) {
+        return best_predicting(point, candidates, law);
+    }
     if candidates[k].addition().is_listed() {
-        return match law_ahead(point, candidates, k) {
-            Some(law) => best_predicting(point, candidates, law),
-            None => k,
-        };
+        return k;
     }
     let worth = |c: &Candidate| {
         c.validation.unwrap_or(1.0) * if c.addition().is_table() { 1.0 + STRUCTURE } else { 1.0 }
@@ -311,12 +312,18 @@ fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize
     best
 }
 
-/// A listed effect is preferred to a law that explains little more, unless a law at its port also has a far smaller validation error.
+/// A listed effect is preferred to a law that explains little more, and a law of one driver to one of two, unless the other law, at the same
+/// port, also has a far smaller validation error.
 fn law_ahead(point: &Linearization, candidates: &mut [Candidate], k: usize) -> Option<usize> {
     let own = &candidates[k];
     let (port, sure, foretold) = (own.addition().port, own.sure(), own.validation?);
+    let drivers = |c: &Candidate| match c.addition().follows {
+        _ if c.addition().is_listed() => 0,
+        Follows::Both(..) => 2,
+        _ => 1,
+    };
     let explains_more = |c: &Candidate| {
-        c.refused.is_none() && !c.addition().is_listed() && c.addition().port == port && c.sure() > sure
+        c.refused.is_none() && drivers(c) > drivers(own) && c.addition().port == port && c.sure() > sure
     };
     let law = candidates.iter().position(explains_more)?;
     let (validation, refused) = gate(point, &candidates[law]).ok()?;
@@ -336,7 +343,7 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
             scored.iter().filter(|s| s.addition.is_some() && worth(s) > 0.0).collect();
         order.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         let best = scored.iter().map(worth).fold(0.0, f64::max);
-        let mut taken = [0; 4];
+        let mut taken = [0; CANDIDATES.len()];
         for candidate in order {
             let Some(addition) = &candidate.addition else { continue };
             let k = addition.kind();

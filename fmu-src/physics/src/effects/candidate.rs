@@ -9,6 +9,8 @@ pub enum Follows {
     Nothing,
     /// The present value of a driver.
     Driver(Driver),
+    /// The present values of two drivers.
+    Both(Driver, Driver),
     /// A first-order lag of a driver: an additional state.
     Late(Driver),
     /// Past values: a latch, hysteresis or an intermittent effect.
@@ -16,12 +18,22 @@ pub enum Follows {
 }
 
 impl Follows {
+    /// Its drivers.
+    pub fn drivers(self) -> impl Iterator<Item = Driver> {
+        let all = match self {
+            Follows::Driver(driver) | Follows::Late(driver) => [Some(driver), None],
+            Follows::Both(first, second) => [Some(first), Some(second)],
+            Follows::Nothing | Follows::History => [None; 2],
+        };
+        all.into_iter().flatten()
+    }
+
     /// Its name in reports; `None` if it is constant.
-    pub fn name(self) -> Option<&'static str> {
+    pub fn name(self) -> Option<String> {
         match self {
             Follows::Nothing => None,
-            Follows::Driver(driver) | Follows::Late(driver) => Some(driver.name()),
-            Follows::History => Some("history"),
+            Follows::History => Some("history".to_string()),
+            _ => Some(self.drivers().map(Driver::name).collect::<Vec<_>>().join(" and ")),
         }
     }
 }

@@ -21,7 +21,8 @@ fn what_was_planted_is_found() {
     let slope = column(n, |t| 5.0 * t);
     let r = DVector::from_fn(n, |k, _| 0.7 * fast[(k, 0)] + 0.4 * slope[(k, 0)] + normal(&mut rng));
     let (drift, knots) = sensor(n);
-    let gain = Evidence::new(r, &slope, &[0.0], &drift, &knots, vec![]).unwrap().gain(&fast).unwrap();
+    let gain =
+        Evidence::new(r, &slope, Prior::new(&[0.0]), &drift, &knots, vec![]).unwrap().gain(&fast).unwrap();
     let deviation = gain.covariance[(0, 0)].sqrt();
     // Almost orthogonal to all other columns: deviation 1 / sqrt n.
     assert!((deviation * (n as f64).sqrt() - 1.0).abs() < 0.1, "{deviation}");
@@ -39,7 +40,7 @@ fn a_drift_is_no_effect() {
     let r = DVector::from_fn(n, |k, _| 1.5 * walk(k as f64 / n as f64) + normal(&mut rng));
     let none = DMatrix::zeros(n, 0);
     let slow = column(n, |t| (3.0 * t).sin());
-    let gain = Evidence::new(r, &none, &[], &drift, &knots, vec![]).unwrap().gain(&slow).unwrap();
+    let gain = Evidence::new(r, &none, Prior::new(&[]), &drift, &knots, vec![]).unwrap().gain(&slow).unwrap();
     assert!(gain.raw > 100.0 && gain.whitened < 10.0, "{gain:?}");
 }
 
@@ -48,11 +49,50 @@ fn a_drift_is_no_effect() {
 fn raw_is_the_fall_of_the_squares() {
     let r = DVector::from_vec(vec![1.0, 2.0, 3.0]);
     let (mean, ramp) = (DMatrix::from_element(3, 1, 1.0), DMatrix::from_vec(3, 1, vec![0.0, 1.0, 2.0]));
-    let evidence = Evidence::new(r, &mean, &[f64::NAN], &DMatrix::zeros(3, 0), &[], vec![]).unwrap();
+    let evidence =
+        Evidence::new(r, &mean, Prior::new(&[f64::NAN]), &DMatrix::zeros(3, 0), &[], vec![]).unwrap();
     assert!((evidence.cost().1 - 2.0).abs() < 1e-6);
     let gain = evidence.gain(&ramp).unwrap();
     assert!((gain.raw - 2.0).abs() < 1e-6 && (gain.whitened - 2.0).abs() < 1e-6, "{gain:?}");
     assert!((gain.size[0] - 1.0).abs() < 1e-6 && (gain.covariance[(0, 0)] - 0.5).abs() < 1e-6);
+}
+
+/// Two values of a table with correlated priors: the estimate is that of the posterior, and of least squares without the prior.
+#[test]
+fn a_table_has_its_prior_until_it_is_taken_away() {
+    let values = DVector::from_vec(vec![0.2, -0.1]);
+    let precision = DMatrix::from_row_slice(2, 2, &[2.0, -1.0, -1.0, 2.0]);
+    let units = [0.5, 2.0];
+    let mut prior = Prior::new(&[0.3, f64::NAN, f64::NAN]);
+    prior.table(1, &values, &precision, &units);
+    let z = DMatrix::from_row_slice(4, 3, &[1.0, 0.5, 0.0, 0.0, 1.0, 2.0, 1.0, 0.0, -1.0, 2.0, 1.0, 1.0]);
+    let r = DVector::from_vec(vec![0.4, 1.0, -0.5, 0.7]);
+    let evidence = Evidence::new(r.clone(), &z, prior, &DMatrix::zeros(4, 0), &[], vec![]).unwrap();
+    let scale = DMatrix::from_diagonal(&DVector::from_row_slice(&units));
+    let normal = |with: f64| {
+        let mut l = z.tr_mul(&z);
+        let mut rhs = z.tr_mul(&r);
+        (l[(0, 0)], rhs[0]) = (l[(0, 0)] + 1.0, rhs[0] - 0.3);
+        let mut own = l.view_mut((1, 1), (2, 2));
+        own += &scale * &precision * &scale * with;
+        let mut pull = rhs.rows_mut(1, 2);
+        pull -= &scale * &precision * &values * with;
+        l.cholesky().unwrap().solve(&rhs)
+    };
+    for (evidence, with) in [(evidence.without_tables().unwrap(), 0.0), (evidence, 1.0)] {
+        let (moves, _) = evidence.estimate(3, None);
+        let expected = normal(with);
+        assert!(
+            moves.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-6),
+            "{with}: {moves:?} {expected}"
+        );
+        // Minus twice the logarithm of the posterior density at its maximum.
+        let x = &values + &scale * expected.rows(1, 2);
+        let cost = (&r - &z * &expected).norm_squared()
+            + (0.3 + expected[0]).powi(2)
+            + with * x.dot(&(&precision * &x));
+        assert!((evidence.cost().1 - cost).abs() < 1e-6, "{with}: {} {cost}", evidence.cost().1);
+    }
 }
 
 /// Two laws of the null model with small errors: a residual that resembles them is no evidence for an effect, since structure error of
@@ -66,8 +106,10 @@ fn structure_error_is_no_effect() {
     let mut found = |size: f64, effect: f64| {
         let numbers = DVector::from_fn(12, |_, _| size * normal(&mut rng));
         let r = &waves * numbers + effect * &column + DVector::from_fn(n, |_, _| normal(&mut rng));
-        let evidence =
-            Evidence::new(r, &none, &[], &none, &[], vec![]).unwrap().with_structure(&waves).unwrap();
+        let evidence = Evidence::new(r, &none, Prior::new(&[]), &none, &[], vec![])
+            .unwrap()
+            .with_structure(&waves)
+            .unwrap();
         (evidence.structure(), evidence.gain(&column.columns(0, 1).into_owned()).unwrap())
     };
     let (size, gain) = found(0.0, 0.0);
@@ -97,7 +139,8 @@ fn evidence_is_that_of_the_densities() {
     let mean = &z * DVector::from_element(1, -0.3);
     let one = DMatrix::<f64>::identity(4, 4);
     let plain = &one + &z * z.transpose();
-    let evidence = Evidence::new(r.clone(), &z, &[0.3], &DMatrix::zeros(4, 0), &[], vec![]).unwrap();
+    let evidence =
+        Evidence::new(r.clone(), &z, Prior::new(&[0.3]), &DMatrix::zeros(4, 0), &[], vec![]).unwrap();
     let power = s.transpose() * plain.clone().cholesky().unwrap().solve(&s);
     let with = |size: f64| &plain + &s * &kernel * s.transpose() * (size / (power.trace() / 2.0));
     let told = SIZES.iter().map(|size| minus_two_log(&r, &mean, &with(*size)));
@@ -105,7 +148,8 @@ fn evidence_is_that_of_the_densities() {
     let gain = evidence.shape(&s, &kernel).unwrap();
     assert!((gain.raw - told).abs() < 1e-6, "{} instead of {told}", gain.raw);
     let drift = DMatrix::from_vec(4, 2, vec![1.0, 0.5, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0]);
-    let evidence = Evidence::new(r.clone(), &z, &[0.3], &drift, &[(0.0, 0), (1e3, 0)], vec![]).unwrap();
+    let evidence =
+        Evidence::new(r.clone(), &z, Prior::new(&[0.3]), &drift, &[(0.0, 0), (1e3, 0)], vec![]).unwrap();
     let costs = DRIFTS.iter().map(|(sd, length)| {
         let near = (-1e3 / length).exp();
         let k = DMatrix::from_vec(2, 2, vec![1.0, near, near, 1.0]) * (sd * sd);
@@ -118,7 +162,8 @@ fn evidence_is_that_of_the_densities() {
     assert!((evidence.cost().0 - told).abs() < 1e-4, "{:?} instead of {told}", evidence.cost());
     // Structure error of each compared size, as covariance.
     let structure = DMatrix::from_vec(4, 2, vec![0.3, -0.2, 1.5, 0.4, 1.0, 0.9, -0.8, 0.1]);
-    let evidence = Evidence::new(r.clone(), &z, &[0.3], &DMatrix::zeros(4, 0), &[], vec![]).unwrap();
+    let evidence =
+        Evidence::new(r.clone(), &z, Prior::new(&[0.3]), &DMatrix::zeros(4, 0), &[], vec![]).unwrap();
     let evidence = evidence.with_structure(&structure).unwrap();
     assert!(evidence.noises[0].states.len() > 3);
     for state in &evidence.noises[0].states {
@@ -143,7 +188,7 @@ fn noise_with_a_memory_is_no_effect() {
             x = rho * x + s * f64::sqrt(1.0 - rho * rho) * normal(&mut rng);
             x + effect * slow[(k, 0)]
         });
-        let mut evidence = Evidence::new(r, &none, &[], &none, &[], series()).unwrap();
+        let mut evidence = Evidence::new(r, &none, Prior::new(&[]), &none, &[], series()).unwrap();
         evidence.add_memory().unwrap();
         (evidence.inflation()[0], evidence.gain(&slow).unwrap())
     };

@@ -91,7 +91,8 @@ fn one_that_stands_at_its_limit_does_not_stop_the_others() {
 /// A table over the speed with a point that no row reaches: its value follows from its neighbour by the prior, whatever the fit starts with.
 #[test]
 fn a_point_without_data_has_the_value_of_its_prior() {
-    use crate::hypothesis::{Addition, Number, Shape};
+    use crate::hypothesis::{Addition, Axis, Number, Shape};
+    use crate::linearization::Linearization;
     use crate::outcome::Follows;
     use physics::terms::{Driver, Factor};
     let mut experiment = testing::experiment(PRIORS, true);
@@ -117,15 +118,25 @@ fn a_point_without_data_has_the_value_of_its_prior() {
         id: "generic_term".to_string(),
         port: Port::DragTorque,
         follows: Follows::Driver(Driver::Speed),
-        shape: Shape::Table { driver: Driver::Speed, knots, precision: kernel.try_inverse().unwrap() },
+        shape: Shape::Table {
+            axes: vec![Axis { driver: Driver::Speed, knots }],
+            precision: kernel.try_inverse().unwrap(),
+        },
         numbers: [0.0, 0.0, 0.5].map(number).to_vec(),
         active: vec![true],
         late: None,
     };
     let start = Hypothesis { additions: vec![table], ..setup.preset() };
-    let found = setup.fit(start, &[0]).unwrap().hypothesis;
+    let fitted = setup.fit(start, &[0]).unwrap();
+    let found = &fitted.hypothesis;
     let values: Vec<f64> = found.additions[0].numbers.iter().map(|n| n.value).collect();
     // The Coulomb friction takes over a constant.
     assert!(((values[1] - values[0]) / (1e-3 * 400.0 / 300.0) - 1.0).abs() < 0.01, "{values:?}");
     assert!((values[2] / values[1] - expected).abs() < 1e-3, "{values:?}, {expected}");
+    // The same holds for the correction to first order, and its deviation is that of the prior given the neighbour.
+    let place = found.numbers().len() - 1;
+    let point = Linearization::judged(&setup, fitted.clone(), &[0]).unwrap().estimated(None);
+    assert!((point.moved[place] / point.moved[place - 1] - expected).abs() < 0.02, "{:?}", point.moved);
+    let deviation = 1e-4 * point.covariance[(place, place)].sqrt();
+    assert!((deviation / (2e-3 * (1.0 - expected * expected).sqrt()) - 1.0).abs() < 0.1, "{deviation}");
 }

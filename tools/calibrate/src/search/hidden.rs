@@ -5,9 +5,12 @@
 //! fit by simulation then estimates all parameters, including the time constant.
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
-use super::{EXPONENT_LIMITS, EXPONENT_SCALE, LEAST_REFERENCE, Scored, choice, is_known, scale, scored};
+use super::laws::{
+    LEAST_REFERENCE, alike, coefficient, exponent, is_known, knots, number, scale, term, value,
+};
+use super::{Scored, choice, scored};
 use crate::evidence::Gain;
-use crate::hypothesis::{Addition, Number, Shape, followed, hat, power};
+use crate::hypothesis::{Axis, Number, Shape, followed, hat, power};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use physics::terms::{Driver, Factor, Lag, Port};
@@ -64,7 +67,7 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
     let moves = |driver: Driver| {
         let values = || point.drivers().map(|d| d.of(driver));
         let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
-        if driver.is_heat() { most > least } else { super::knots(point, driver).is_some() }
+        if driver.is_heat() { most > least } else { knots(point, driver).is_some() }
     };
     let drivers: Vec<Driver> = Driver::ALL
         .iter()
@@ -96,32 +99,8 @@ fn best<T>(gains: impl Iterator<Item = (T, Option<Gain>)>) -> Option<(T, Gain)> 
 /// Time constant of a lag as a fitted parameter.
 fn time_constant(late: &Late, taus: &[f64]) -> Number {
     let (first, last) = (taus[0], taus[taus.len() - 1]);
-    Number {
-        symbol: "tau".to_string(),
-        value: late.lag.tau,
-        limits: (LIMITS.0 * first, LIMITS.1 * last),
-        unit: "s",
-        scale: SCALE * late.lag.tau,
-        sloped: true,
-    }
-}
-
-fn number(symbol: String, value: f64, limits: (f64, f64), unit: &'static str, scale: f64) -> Number {
-    Number { symbol, value, limits, unit, scale, sloped: true }
-}
-
-const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-
-fn addition(point: &Linearization, port: Port, late: &Late, shape: Shape, numbers: Vec<Number>) -> Addition {
-    Addition {
-        id: "generic_term".to_string(),
-        port,
-        follows: Follows::Late(late.lag.driver),
-        shape,
-        numbers,
-        active: vec![true; point.setup.experiment.runs.len()],
-        late: Some(late.lag.driver),
-    }
+    let limits = (LIMITS.0 * first, LIMITS.1 * last);
+    number("tau".to_string(), late.lag.tau, limits, "s", SCALE * late.lag.tau)
 }
 
 fn powers(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
@@ -131,14 +110,9 @@ fn powers(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_numb
     let name = format!("{} ~ lag of {}^{exponent}", port.name(), late.lag.driver.name());
     let follows = Follows::Late(late.lag.driver);
     let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &[0.0]);
-    let spread = gain.covariance[(0, 0)].sqrt();
-    let numbers = vec![
-        number("coefficient".to_string(), gain.size[0], FREE, port.unit().name(), spread),
-        number("exponent".to_string(), exponent, EXPONENT_LIMITS, "1", EXPONENT_SCALE),
-        time_constant(late, taus),
-    ];
+    let numbers = vec![coefficient(port, &gain), self::exponent(exponent), time_constant(late, taus)];
     let shape = Shape::Power { factor: Factor { exponent, ..late.factor } };
-    found.addition = Some(addition(point, port, late, shape, numbers));
+    found.addition = Some(term(point, (port, follows), shape, numbers));
     Some(found)
 }
 
@@ -151,17 +125,16 @@ fn table(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_numbe
         return None;
     }
     let columns = point.port_columns(port, POINTS, |k, r, row, _| hat(&knots, k, late.reached[r][row]))?;
-    let gain = point.evidence.shape(&columns, &super::alike(&knots))?;
+    let gain = point.evidence.shape(&columns, &alike(&knots))?;
     let driver = late.lag.driver;
     let name = format!("{} over lag of {}", port.name(), driver.name());
     let follows = Follows::Late(driver);
     let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &knots);
-    let value = |(k, x): (usize, &f64)| {
-        let symbol = format!("value at lagged {} = {x:.4}", driver.name());
-        number(symbol, gain.size[k], FREE, port.unit().name(), gain.covariance[(k, k)].sqrt())
-    };
-    let mut numbers: Vec<Number> = knots.iter().enumerate().map(value).collect();
+    let place = |x: f64| format!("lagged {} = {x:.4}", driver.name());
+    let mut numbers: Vec<Number> =
+        knots.iter().enumerate().map(|(k, x)| value(port, &place(*x), k, &gain)).collect();
     numbers.push(time_constant(late, taus));
-    found.addition = Some(addition(point, port, late, super::table(driver, knots, &gain), numbers));
+    let shape = super::laws::table(vec![Axis { driver, knots }], &gain);
+    found.addition = Some(term(point, (port, follows), shape, numbers));
     Some(found)
 }

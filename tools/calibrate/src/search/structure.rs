@@ -9,7 +9,7 @@
 //! *Sources*: Kennedy, O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464; Alvarez, Luengo, Lawrence, IEEE Trans. Pattern Analysis 35 (2013)
 //! 2693-2705 (latent forces); Harbrecht, Peters, Schneider, Applied Numerical Mathematics 62 (2012) 428-440 (pivots).
 
-use super::{alike, is_known, knots};
+use super::laws::{alike, is_known, knots};
 use crate::hypothesis::hat;
 use crate::levels::NEGLIGIBLE;
 use crate::linearization::Linearization;

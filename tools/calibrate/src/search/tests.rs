@@ -2,7 +2,7 @@ use super::*;
 use crate::hypothesis::Hypothesis;
 use crate::setup::Setup;
 use crate::testing;
-use physics::terms::{GenericTerm, Lag, Law, Product};
+use physics::terms::{Factor, GenericTerm, Lag, Law, Product};
 
 /// Law over a driver with given evidence and shape (driver, value).
 fn law(port: Port, follows: Follows, sure: f64, shape: &[(f64, f64)]) -> Scored {
@@ -64,7 +64,8 @@ const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductanc
 
 /// Search result for simulated readings of a motor with a term, and the point of linearization.
 fn found_of<T>(term: GenericTerm, see: impl Fn(&Linearization, Vec<Scored>) -> T) -> T {
-    let mut experiment = testing::experiment(PRIORS, true);
+    // The period of the speed is not that of the current.
+    let mut experiment = testing::driven_by(("current_A", 1.0, 190.0), &testing::OUTPUTS, PRIORS, true);
     let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
     testing::read(&mut experiment, &preset, Some(term));
     let setup = Setup::new(&experiment, &[]).unwrap();
@@ -104,6 +105,31 @@ fn a_hidden_state_is_found_with_its_time_constant() {
         let lag = fitted.hypothesis.additions[0].lag().unwrap();
         assert!((lag.tau / 250.0 - 1.0).abs() < 0.05, "{lag:?}");
         assert!(fitted.chi_square < 10.0 * fitted.readings as f64, "{}", fitted.chi_square);
+    });
+}
+
+/// A product of two drivers, which a grid describes exactly: no function of one driver explains as much, and its fit leaves no residual.
+#[test]
+fn a_product_of_two_drivers_is_found() {
+    let factor = |driver, offset, reference, exponent| Some(Factor { driver, offset, reference, exponent });
+    let factors =
+        [factor(Driver::Speed, 0.0, 300.0, 1.0), factor(Driver::WindingTemperature, 298.15, 10.0, 1.0), None];
+    let law = Law::Product(Product { coefficient: 2e-4, factors });
+    found_of(GenericTerm::new(Port::DragTorque, law), |point, scored| {
+        let law = |s: &&Scored| !s.listed && s.addition.is_some() && s.port == Port::DragTorque;
+        let best = scored.iter().find(law).unwrap();
+        let both = [Driver::Speed, Driver::WindingTemperature];
+        assert!(
+            matches!(best.follows, Follows::Both(a, b) if a != b && both.contains(&a) && both.contains(&b)),
+            "{}",
+            best.name
+        );
+        let single = scored.iter().filter(law).find(|s| matches!(s.follows, Follows::Driver(_))).unwrap();
+        assert!(best.sure() > single.sure() + 100.0, "{} and {}", best.name, single.name);
+        let mut hypothesis = point.setup.preset();
+        hypothesis.additions.extend(best.addition.clone());
+        let [without, with] = [point.setup.preset(), hypothesis].map(|h| point.setup.fit(h, &[0]).unwrap());
+        assert!(with.chi_square < 0.02 * without.chi_square, "{} {}", with.chi_square, without.chi_square);
     });
 }
 

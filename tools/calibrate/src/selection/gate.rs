@@ -2,6 +2,7 @@
 
 use super::{AHEAD, Candidate, LEAST, NEAR, is_sensor};
 use crate::CalibrateError;
+use crate::deadline::Deadline;
 use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
@@ -103,9 +104,10 @@ fn unlike(candidate: &Candidate) -> Option<String> {
     if active.len() < 2 {
         return None;
     }
+    let evidence = point.evidence.without_tables()?;
     for own in active {
         let Some(column) = point.amplitude_column(own) else { continue };
-        let Some(gain) = point.evidence.gain(&column) else { continue };
+        let Some(gain) = evidence.gain(&column) else { continue };
         let (off, deviation) = (gain.size[0], gain.covariance[(0, 0)].sqrt());
         if off.abs() > PART + CERTAIN * deviation {
             let file = &point.setup.experiment.runs[point.runs[own]].file;
@@ -142,17 +144,19 @@ impl Validated {
 /// which it acts, fitted without that part.
 fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Validated>, CalibrateError> {
     let setup = before.setup;
+    // A fitted candidate is judged although the time budget is used up: that takes no more than a few runs.
+    let judge = setup.clone().until(Deadline::default());
     let runs = setup.runs(Role::Validate);
     let addition = candidate.addition();
     let partly = addition.active.iter().any(|on| !on);
     if !runs.is_empty() {
         let mut without = before.fitted.hypothesis.clone();
-        acting(setup, &mut without, &runs)?;
-        let without = setup.show(&without, &runs)?;
+        acting(&judge, &mut without, &runs)?;
+        let without = judge.show(&without, &runs)?;
         let mut with = candidate.point.fitted.hypothesis.clone();
-        acting(setup, &mut with, &runs)?;
+        acting(&judge, &mut with, &runs)?;
         let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
-        let shown = setup.show(&with, &runs)?;
+        let shown = judge.show(&with, &runs)?;
         if !partly || active {
             return Ok(Some(Validated::new(setup, &runs, [&shown, &without], candidate)));
         }

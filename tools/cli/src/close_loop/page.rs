@@ -212,7 +212,7 @@ fn heading(effect: &Found) -> String {
     if effect.term.is_none() {
         return capital(&plain(&effect.id));
     }
-    let over = effect.follows.name().map_or(String::new(), |name| format!(" over {}", plain(name)));
+    let over = effect.follows.name().map_or(String::new(), |name| format!(" over {}", plain(&name)));
     format!("Unlisted effect: {}{over}", plain(effect.port.name()))
 }
 

@@ -31,6 +31,10 @@ pub fn driver(follows: Follows) -> String {
     let driver = match follows {
         Follows::Nothing => "is constant",
         Follows::History => "depends on the history",
+        Follows::Both(first, second) => {
+            let second = self::driver(Follows::Driver(second));
+            return format!("{} and {}", self::driver(Follows::Driver(first)), second);
+        }
         Follows::Late(driver) => {
             return self::driver(Follows::Driver(driver)) + " with a first-order lag";
         }

@@ -3,7 +3,7 @@
 use super::super::text::{number, plain};
 use super::port;
 use calibrate::experiment::Experiment;
-use calibrate::outcome::{Curve, Curves, Follows, Outcome, Unexplained};
+use calibrate::outcome::{Curve, Curves, Outcome, Unexplained};
 use calibrate::report::{column_words, driver_unit};
 use present::figure::{Axis, Figure, Mark, Row, Rows};
 use present::page::Plate;
@@ -183,7 +183,7 @@ pub fn localised(outcome: &Outcome) -> Plate {
     let mut places: Vec<_> = outcome.localised.iter().collect();
     places.sort_by(|a, b| b.share.total_cmp(&a.share));
     let row = |l: &&calibrate::outcome::Localised| {
-        let follows = l.follows.name().map_or("constant".to_owned(), plain);
+        let follows = l.follows.name().map_or("constant".to_owned(), |name| plain(&name));
         let remark = format!("{:.0} %", 100.0 * l.share);
         Row {
             name: format!("{}, {follows}", plain(l.port.name())),
@@ -233,16 +233,16 @@ pub fn forest(experiment: &Experiment, outcome: &Outcome) -> Plate {
     )
 }
 
-/// The estimated effect at a port over its driver, with its band.
+/// The estimated effect at a port over its driver, with its band; of two drivers over the first one, averaged over the second.
 pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
     let (x, y): (Vec<f64>, Vec<(f64, f64)>) = (
         found.shape.iter().map(|p| WITHIN_95 * p.2).collect(),
         found.shape.iter().map(|p| (p.0, p.1)).collect(),
     );
-    let follows = match found.follows {
-        Follows::Driver(driver) if driver_unit(driver) == "1" => plain(driver.name()),
-        Follows::Driver(driver) => format!("{} in {}", plain(driver.name()), driver_unit(driver)),
-        _ => "time in s".to_owned(),
+    let follows = match found.follows.drivers().next() {
+        Some(driver) if driver_unit(driver) == "1" => plain(driver.name()),
+        Some(driver) => format!("{} in {}", plain(driver.name()), driver_unit(driver)),
+        None => "time in s".to_owned(),
     };
     let unit = found.port.unit().name().replace('.', "·");
     let value = if unit == "1" { "relative change".to_owned() } else { format!("value in {unit}") };

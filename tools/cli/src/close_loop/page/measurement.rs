@@ -107,6 +107,11 @@ fn spanned(found: (&Channel, f64, f64)) -> String {
     format!("{name} ({})", ends.trim_end())
 }
 
+/// A driver with its range in the runs, if it is measured.
+fn ranged(driver: Driver, experiment: &Experiment) -> String {
+    range(experiment, |c| reads(c, driver)).map_or_else(|| plain(driver.name()), spanned)
+}
+
 /// What a further run has to do to show what follows a driver.
 fn run_for(follows: Follows, port: Port, experiment: &Experiment) -> String {
     let place = plain(port.name());
@@ -114,8 +119,15 @@ fn run_for(follows: Follows, port: Port, experiment: &Experiment) -> String {
         Follows::Driver(Driver::Time) => format!(
             "Repeat the first run after the last one: what changes between the two follows the time (wear, drift of a sensor), and not {place}."
         ),
+        Follows::Both(first, second) => {
+            let [first, second] = [first, second].map(|driver| ranged(driver, experiment));
+            format!(
+                "Runs that go through {first} in five steps, each at another value of {second}, with the other inputs constant: a law over both \
+                 is measured directly."
+            )
+        }
         Follows::Driver(driver) | Follows::Late(driver) => {
-            let own = range(experiment, |c| reads(c, driver)).map_or_else(|| plain(driver.name()), spanned);
+            let own = ranged(driver, experiment);
             let late = if matches!(follows, Follows::Late(_)) {
                 " Hold each step for at least three lags, and log the steps with short rows."
             } else {

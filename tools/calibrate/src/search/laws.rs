@@ -1,0 +1,291 @@
+//! Laws at a port: smooth functions of one driver or of two, and power laws.
+//!
+//! f(x) ~ N(0, q^2 K),   K_ab = exp(-|x_a - x_b| / span)                         a function of one driver            (1)
+//! f(x, y) ~ N(0, q^2 (K_x + K_y + K_x K_y) / 3)                                a function of two                   (2)
+//!
+//! x_a knots, between which values are linear or bilinear. (2) is the sum of a function of each driver and a further function of both:
+//! where the data hold no pair of values, the sum of the first two continues. q is estimated with the evidence (`evidence.rs`).
+//! Functions of two drivers are found by beam search: at the ports that explain most, the drivers with the best functions of their own are
+//! combined with every other one.
+//! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 4.2.4 (sums and products of covariances), ch. 5
+//! (hyperparameters); Duvenaud, Nickisch, Rasmussen, Advances in Neural Information Processing Systems 24 (2011) 226-234 (additive
+//! processes); Duvenaud et al., Int. Conf. Machine Learning 28 (2013) 1166-1174 (search).
+
+use super::{Scored, choice, scored, temperatures};
+use crate::evidence::Gain;
+use crate::experiment::Channel;
+use crate::hypothesis::{Addition, Axis, Number, Shape, power, weight};
+use crate::levels::NEARLY;
+use crate::linearization::Linearization;
+use crate::outcome::Follows;
+use crate::selection::LEAST;
+use nalgebra::DMatrix;
+use physics::terms::{Driver, Drivers, Factor, Port};
+use rayon::prelude::*;
+
+/// Knots of a smooth function of a driver. Numerical: its prior correlates neighbouring knots by 0.85, exp(-1/6).
+const KNOTS: usize = 7;
+/// Knots of a function of two drivers, for each. Numerical: its prior correlates neighbouring knots by 0.78, exp(-1/4).
+const KNOTS_OF_TWO: usize = 5;
+/// Drivers at a port that are combined with every other one. Numerical: a limit of effort; the best functions of one driver come first.
+const BEAM: usize = 4;
+/// A driver whose variation is less than this fraction of its size cannot determine a shape. Numerical: excludes constant drivers.
+const STILL: f64 = 0.01;
+/// Size of a temperature driver, K, relative to which its variation counts. Numerical: as for `STILL`.
+const TEMPERATURES: f64 = 20.0;
+/// Least distance of two knots as a fraction of the span. Numerical: the hat functions of closer knots are nearly collinear.
+const KNOT_APART: f64 = 0.02;
+/// Least reference value of a driver, in its unit. Numerical: avoids a division by zero.
+pub(super) const LEAST_REFERENCE: f64 = 1e-9;
+/// Limits of an exponent. Limit: losses and drops of motors grow with powers from 0.5 (brush drop) to 3 (windage); beyond these limits
+/// a power is a step.
+pub(super) const EXPONENT_LIMITS: (f64, f64) = (0.1, 5.0);
+/// Unit of an exponent in the fit. Numerical: scale of a variable.
+pub(super) const EXPONENT_SCALE: f64 = 0.05;
+/// Exponents that are tried. Numerical: the fit determines the exponent.
+const EXPONENTS: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
+/// No limits.
+pub(super) const UNLIMITED: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// Knots over a driver's values in the runs: least, greatest, and points between; `None` if it hardly varies.
+pub(super) fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
+    knots_of(point, driver, KNOTS)
+}
+
+fn knots_of(point: &Linearization, driver: Driver, count: usize) -> Option<Vec<f64>> {
+    let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
+    values.sort_by(f64::total_cmp);
+    let (least, most) = (values[0], values[values.len() - 1]);
+    let span = most - least;
+    let size = match driver {
+        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => TEMPERATURES,
+        _ => most.abs().max(least.abs()),
+    };
+    if span.is_nan() || span <= STILL * size {
+        return None;
+    }
+    let mut all: Vec<f64> = Vec::new();
+    for k in 0..count {
+        let share = k as f64 / (count - 1) as f64;
+        // Half by rows, half by span: knots where data is dense, without coincident knots.
+        let by_rows = values[((values.len() - 1) as f64 * share) as usize];
+        let x = 0.5 * by_rows + 0.5 * (least + span * share);
+        if all.last().is_none_or(|last| x - last > KNOT_APART * span) {
+            all.push(x);
+        }
+    }
+    Some(all)
+}
+
+/// K of (1).
+pub(super) fn alike(knots: &[f64]) -> DMatrix<f64> {
+    let span = knots[knots.len() - 1] - knots[0];
+    DMatrix::from_fn(knots.len(), knots.len(), |a, b| (-(knots[a] - knots[b]).abs() / span).exp())
+}
+
+/// Covariance of (1) or (2).
+pub(super) fn kernel(axes: &[Axis]) -> DMatrix<f64> {
+    let own: Vec<DMatrix<f64>> = axes.iter().map(|axis| alike(&axis.knots)).collect();
+    let [first, second] = &own[..] else { return own.into_iter().next().unwrap_or_default() };
+    let constant = |k: &DMatrix<f64>| DMatrix::from_element(k.nrows(), k.ncols(), 1.0);
+    let parts = [
+        (first.clone(), constant(second)),
+        (constant(first), second.clone()),
+        (first.clone(), second.clone()),
+    ];
+    parts.iter().map(|(a, b)| a.kronecker(b)).sum::<DMatrix<f64>>() / parts.len() as f64
+}
+
+/// A table whose values have the prior of (1) or (2) with the variance q^2 that the data give.
+///
+/// q^2 = [v' K^-1 v + tr(K^-1 S)] / n,   v and S: mean and covariance of the n values given the data                   (3)
+///
+/// *Source*: MacKay, Neural Computation 4 (1992) 415-447: at the most probable q.
+pub(super) fn table(axes: Vec<Axis>, gain: &Gain) -> Shape {
+    let kernel = kernel(&axes);
+    let n = kernel.nrows();
+    let values = gain.size.rows(0, n);
+    let precision = kernel.cholesky().map_or_else(|| DMatrix::zeros(n, n), |factor| factor.inverse());
+    let spread = (&precision * gain.covariance.view((0, 0), (n, n))).trace();
+    let q = (values.dot(&(&precision * values)) + spread) / n as f64;
+    Shape::Table { axes, precision: precision / q }
+}
+
+/// Offset and reference value of a driver.
+pub(super) fn scale(point: &Linearization, driver: Driver) -> Factor {
+    let offset = match driver {
+        Driver::WindingTemperature | Driver::HousingTemperature => 298.15,
+        Driver::AmbientTemperature => 293.15,
+        _ => 0.0,
+    };
+    let most = point.drivers().map(|d| (d.of(driver) - offset).abs()).fold(0.0, f64::max);
+    Factor { driver, offset, reference: most.max(LEAST_REFERENCE), exponent: 1.0 }
+}
+
+/// Whether the driver is measured: a load that is imposed, a temperature of a node that has a sensor.
+pub(super) fn is_known(point: &Linearization, driver: Driver) -> bool {
+    let has_sensor = || Channel::reading(driver).is_none_or(|c| point.is_read(c));
+    match driver {
+        Driver::LoadTorque => point.setup.has_load(),
+        Driver::WindingTemperature | Driver::HousingTemperature => has_sensor(),
+        _ => true,
+    }
+}
+
+/// Number of a law that is found by linearization.
+pub(super) fn number(
+    symbol: String,
+    value: f64,
+    limits: (f64, f64),
+    unit: &'static str,
+    scale: f64,
+) -> Number {
+    Number { symbol, value, limits, unit, scale, sloped: true }
+}
+
+/// The coefficient of a power law, estimated to first order.
+pub(super) fn coefficient(port: Port, gain: &Gain) -> Number {
+    let spread = gain.covariance[(0, 0)].sqrt();
+    number("coefficient".to_string(), gain.size[0], UNLIMITED, port.unit().name(), spread)
+}
+
+/// The exponent of a power law.
+pub(super) fn exponent(value: f64) -> Number {
+    number("exponent".to_string(), value, EXPONENT_LIMITS, "1", EXPONENT_SCALE)
+}
+
+/// The `k`-th value of a table, estimated to first order.
+pub(super) fn value(port: Port, place: &str, k: usize, gain: &Gain) -> Number {
+    let spread = gain.covariance[(k, k)].sqrt();
+    number(format!("value at {place}"), gain.size[k], UNLIMITED, port.unit().name(), spread)
+}
+
+/// A law as an addition in all runs.
+pub(super) fn term(
+    point: &Linearization,
+    (port, follows): (Port, Follows),
+    shape: Shape,
+    numbers: Vec<Number>,
+) -> Addition {
+    Addition {
+        id: "generic_term".to_string(),
+        port,
+        follows,
+        shape,
+        numbers,
+        active: vec![true; point.setup.experiment.runs.len()],
+        late: if let Follows::Late(driver) = follows { Some(driver) } else { None },
+    }
+}
+
+/// Smooth function of a driver at a port.
+pub(super) fn smooth(point: &Linearization, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
+    let axis = Axis { driver, knots: knots(point, driver)? };
+    let mut found = over(point, port, vec![axis], per_number)?;
+    // A law over time in these runs does not carry over to other runs, so it cannot be added.
+    found.addition = found.addition.filter(|_| driver != Driver::Time);
+    Some(found)
+}
+
+/// (1) or (2) at a port.
+fn over(point: &Linearization, port: Port, axes: Vec<Axis>, per_number: f64) -> Option<Scored> {
+    let count = axes.iter().map(|axis| axis.knots.len()).product();
+    let columns = point.port_columns(port, count, |k, _, _, d| weight(&axes, k, |driver| d.of(driver)))?;
+    let gain = point.evidence.shape(&columns, &kernel(&axes))?;
+    let drivers: Vec<&str> = axes.iter().map(|axis| axis.driver.name()).collect();
+    let name = format!("{} over {}", port.name(), drivers.join(" and "));
+    let follows = match axes[..] {
+        [ref first, ref second] => Follows::Both(first.driver, second.driver),
+        _ => Follows::Driver(axes[0].driver),
+    };
+    // One for the size, and one for each driver.
+    let cost = (1.0 + axes.len() as f64) * per_number + choice(port, follows);
+    let mut found = Scored { shape: profile(&axes, &gain), ..scored(name, port, follows, &gain, cost, &[]) };
+    let place = |k: usize| {
+        let mut rest = k;
+        let mut all: Vec<String> = Vec::new();
+        for axis in axes.iter().rev() {
+            all.push(format!("{} = {:.4}", axis.driver.name(), axis.knots[rest % axis.knots.len()]));
+            rest /= axis.knots.len();
+        }
+        all.reverse();
+        all.join(", ")
+    };
+    let numbers = (0..count).map(|k| value(port, &place(k), k, &gain)).collect();
+    found.addition = Some(term(point, (port, follows), table(axes, &gain), numbers));
+    Some(found)
+}
+
+/// Function over the first driver with standard deviations: the mean over the knots of the second.
+fn profile(axes: &[Axis], gain: &Gain) -> Vec<(f64, f64, f64)> {
+    let first = &axes[0].knots;
+    let others = axes[1..].iter().map(|axis| axis.knots.len()).product::<usize>();
+    let of = |(k, x): (usize, &f64)| {
+        let from = k * others;
+        let mean = gain.size.rows(from, others).sum() / others as f64;
+        let variance = gain.covariance.view((from, from), (others, others)).sum();
+        (*x, mean, variance.sqrt() / others as f64)
+    };
+    first.iter().enumerate().map(of).collect()
+}
+
+/// Functions of two drivers at these ports that explain more than the best function of one driver there, `single`.
+pub(super) fn of_two(
+    point: &Linearization,
+    ports: &[Port],
+    single: &[(Port, Driver, Scored)],
+    per_number: f64,
+) -> Vec<Scored> {
+    let axis = |driver: Driver| Some(Axis { driver, knots: knots_of(point, driver, KNOTS_OF_TWO)? });
+    let mut places: Vec<(Port, f64, [Driver; 2])> = Vec::new();
+    for port in ports {
+        let mut own: Vec<&(Port, Driver, Scored)> = single
+            .iter()
+            .filter(|(at, driver, _)| at == port && *driver != Driver::Time && is_known(point, *driver))
+            .collect();
+        own.sort_by(|a, b| b.2.sure().total_cmp(&a.2.sure()));
+        let best = own.first().map_or(0.0, |s| s.2.sure());
+        for (k, (_, first, _)) in own.iter().take(BEAM).enumerate() {
+            places.extend(own[k + 1..].iter().map(|(_, second, _)| (*port, best, [*first, *second])));
+        }
+    }
+    let find = |(port, best, [first, second]): &(Port, f64, [Driver; 2])| {
+        let found = over(point, *port, vec![axis(*first)?, axis(*second)?], per_number)?;
+        (found.sure() > best.max(0.0) + LEAST).then_some(found)
+    };
+    let mut all: Vec<Scored> = places.par_iter().filter_map(find).collect();
+    // An effect at a node depends on the temperature of that node, if it explains nearly as much as that of the other one.
+    let found: Vec<(Port, Follows, f64)> = all.iter().map(|s| (s.port, s.follows, s.sure())).collect();
+    all.retain(|s| {
+        let Some((own, other)) = temperatures(s.port) else { return true };
+        let mut drivers = s.follows.drivers().map(|d| if d == other { own } else { d });
+        let (Some(a), Some(b)) = (drivers.next(), drivers.next()) else { return true };
+        let same = |follows: Follows| [Follows::Both(a, b), Follows::Both(b, a)].contains(&follows);
+        let as_well = |(port, follows, sure): &(Port, Follows, f64)| {
+            *port == s.port && *follows != s.follows && same(*follows) && *sure > NEARLY * s.sure()
+        };
+        !found.iter().any(as_well)
+    });
+    all
+}
+
+/// Power law of a driver at a port.
+pub(super) fn powers(point: &Linearization, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
+    knots(point, driver)?;
+    let factor = scale(point, driver);
+    let value = |k: usize, d: &Drivers| power(&factor, d.of(driver), EXPONENTS[k]);
+    let columns = point.port_columns(port, EXPONENTS.len(), |k, _, _, d| value(k, d))?;
+    let gains = EXPONENTS.into_iter().zip(point.evidence.gains(&columns));
+    // A drag or a voltage drop with negative coefficient would be a source and is not physical.
+    let is_physical =
+        |gain: &Gain| !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;
+    let physical = gains.filter_map(|(exponent, gain)| Some((exponent, gain.filter(is_physical)?)));
+    let (exponent, gain) = physical.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
+    let name = format!("{} ~ {}^{exponent}", port.name(), driver.name());
+    let follows = Follows::Driver(driver);
+    let mut found = scored(name, port, follows, &gain, 2.0 * per_number + choice(port, follows), &[0.0]);
+    let shape = Shape::Power { factor: Factor { exponent, ..factor } };
+    let numbers = vec![coefficient(port, &gain), self::exponent(exponent)];
+    found.addition = Some(term(point, (port, follows), shape, numbers));
+    Some(found)
+}
