@@ -9,11 +9,13 @@
 //! and about the preset, since a fit can absorb a delay in a heat capacity. The best shifts are confirmed by a fit with the column
 //! shifted. The remaining mean square must be small, in the validation runs as well, and smaller than with a first-order lag of the same
 //! sensor: a sensor lag is not a clock error, and is searched for as an effect. A delay of all outputs together is an advance of the
-//! inputs.
+//! inputs. The shift must be the same in every run, and a lag of the response to an input must not explain the data as well
+//! ([`agreement`]).
 //!
 //! *Sources*: (2) with unknown variance: Seber and Wild, Nonlinear Regression (1989), ch. 2.2; time delay as a parameter: Ljung, System
 //! Identification (2nd ed., 1999), ch. 10.
 
+mod agreement;
 mod profile;
 
 use super::consistency::thinned;
@@ -338,6 +340,18 @@ impl Judge<'_> {
             let is_common = gains.iter().all(|gain| *gain > -VERY_STRONG);
             if shift.gain < LEAST || !explains || !validated || !is_common {
                 return best;
+            }
+            let fit = agreement::Fit {
+                setup: self.setup,
+                changed: &setup,
+                fitted: &fitted.hypothesis,
+                noise: self.noise,
+                who: shift.who,
+                late: shift.late,
+            };
+            let runs: Vec<usize> = self.fit.iter().chain(validate).copied().collect();
+            if !fit.holds(&runs)? {
+                return None;
             }
             let shift_of_fit = self.estimated(&shift, &fitted.hypothesis, &setup, &as_is.hypothesis)?;
             best = Some(Shift { gain: shift.gain, ..shift_of_fit });

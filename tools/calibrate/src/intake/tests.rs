@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::testing::{self, normal, rng};
+use std::cell::Cell;
 
 const PRIORS: &str = "\"motor.R_ref\" = 0.05\n\"motor.k_t\" = 0.05\n\"thermal.R_wh\" = 0.2\n\"thermal.C_w\" = 0.2\n\
                       \"conductance.G_still\" = 0.2\n\"thermal.C_h\" = 0.2\n\"conductance.G_forced\" = 0.2";
@@ -141,6 +142,36 @@ fn an_input_with_a_clock_of_its_own_is_unusable() {
             panic!("{:?}", shifted.notes)
         };
         assert_eq!(why.channel, "current_A", "{why:?}");
+    }
+}
+
+/// Good data of a motor that responds to its fan with a delay: in each half of the run another one, and with a first-order lag.
+#[test]
+fn a_delayed_response_is_no_clock() {
+    const FAN: usize = 2;
+    let lagging = |tau: f64| {
+        move |column: &mut Vec<f64>| {
+            let mut at = column[0];
+            column.iter_mut().for_each(|x| {
+                at += (*x - at) * (1.0 - (-3.0f64 / tau).exp());
+                *x = at;
+            });
+        }
+    };
+    let shifted = |column: &mut Vec<f64>| {
+        column[..650].rotate_right(60);
+        column[650..].rotate_right(10);
+    };
+    let cases: [&dyn Fn(&mut Vec<f64>); 3] = [&lagging(120.0), &lagging(300.0), &shifted];
+    for (case, respond) in cases.into_iter().enumerate() {
+        let command = Cell::new(Vec::new());
+        let mut good = with_inputs(7, |columns| {
+            command.set(columns[FAN].clone());
+            respond(&mut columns[FAN]);
+        });
+        *column(&mut good, FAN) = command.take();
+        assert_eq!(check(&mut good, &[], &Deadline::default()), Ok(()), "{case}");
+        assert!(good.notes.iter().all(|n| !n.contains("against the response")), "{case}: {:?}", good.notes);
     }
 }
 
