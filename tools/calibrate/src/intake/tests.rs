@@ -145,25 +145,27 @@ fn an_input_with_a_clock_of_its_own_is_unusable() {
     }
 }
 
-/// Good data of a motor that responds to its fan with a delay: in each half of the run another one, and with a first-order lag.
+/// The motor responds to its fan with a first-order lag, or by another number of rows late or early in each half of the run.
 #[test]
 fn a_delayed_response_is_no_clock() {
     const FAN: usize = 2;
-    let lagging = |tau: f64| {
-        move |column: &mut Vec<f64>| {
-            let mut at = column[0];
-            column.iter_mut().for_each(|x| {
-                at += (*x - at) * (1.0 - (-3.0f64 / tau).exp());
-                *x = at;
-            });
+    let lagging = |fan: &mut [f64]| {
+        let mut at = fan[0];
+        for x in fan {
+            at += (*x - at) * (1.0 - (-3.0f64 / 120.0).exp());
+            *x = at;
         }
     };
-    let shifted = |column: &mut Vec<f64>| {
-        column[..650].rotate_right(60);
-        column[650..].rotate_right(10);
+    let late = |fan: &mut [f64]| {
+        fan[..600].rotate_right(20);
+        fan[600..].rotate_right(40);
     };
-    let cases: [&dyn Fn(&mut Vec<f64>); 3] = [&lagging(120.0), &lagging(300.0), &shifted];
-    for (case, respond) in cases.into_iter().enumerate() {
+    let early = |fan: &mut [f64]| {
+        fan[..600].rotate_left(20);
+        fan[600..].rotate_left(40);
+    };
+    let cases: [(&str, &dyn Fn(&mut [f64])); 3] = [("lagging", &lagging), ("late", &late), ("early", &early)];
+    for (case, respond) in cases {
         let command = Cell::new(Vec::new());
         let mut good = with_inputs(7, |columns| {
             command.set(columns[FAN].clone());
