@@ -8,12 +8,14 @@
 //! ratio with unknown variance. For an input, its column is shifted and simulated. (1) is linearised about the fit of the data as they are
 //! and about the preset, since a fit can absorb a delay in a heat capacity. The best shifts are confirmed by a fit with the column
 //! shifted. The remaining mean square must be small, in the validation runs as well, and smaller than with a first-order lag of the same
-//! sensor: a sensor lag is not a clock error, and is searched for as an effect. A delay of all outputs together is an advance of the
-//! inputs.
+//! sensor: a sensor lag is not a clock error, and is searched for as an effect. A shift of an input must leave a small mean square in one
+//! output, and predict the validation runs better in all outputs together. A delay of all outputs together is an advance of the inputs.
+//! The shift must be the same in every run, and a lag of the response to an input must not explain the data as well ([`agreement`]).
 //!
 //! *Sources*: (2) with unknown variance: Seber and Wild, Nonlinear Regression (1989), ch. 2.2; time delay as a parameter: Ljung, System
 //! Identification (2nd ed., 1999), ch. 10.
 
+mod agreement;
 mod profile;
 
 use super::consistency::thinned;
@@ -321,23 +323,45 @@ impl Judge<'_> {
                 _ => gains[k] > LEAST,
             };
             let outputs: Vec<usize> = (0..self.setup.outputs()).filter(|k| judged(*k)).collect();
-            // The shift must explain nearly all of the residual in these outputs.
-            let explains = !outputs.is_empty()
-                && outputs.iter().all(|k| {
-                    before[*k] > FACTOR * after[*k].max(self.noise[*k])
-                        && after[*k] <= self.structure(*k).max(SMALL * before[*k])
-                });
+            // The shift must explain nearly all of the residual in the output; that of an input in one of them, since the others can
+            // have a structure error as well.
+            let explained = |k: &usize| {
+                before[*k] > FACTOR * after[*k].max(self.noise[*k])
+                    && after[*k] <= self.structure(*k).max(SMALL * before[*k])
+            };
+            let explains = outputs.iter().any(explained);
             let validated = validate.is_empty() || {
                 let (old, new) = (
                     squares(self.setup, validate, &as_is.hypothesis)?,
                     squares(&setup, validate, &fitted.hypothesis)?,
                 );
-                outputs.iter().all(|k| new[*k].is_nan() || new[*k] <= 0.5 * old[*k].max(2.0 * self.noise[*k]))
+                match shift.who {
+                    Who::Output(k) => new[k].is_nan() || new[k] <= 0.5 * old[k].max(2.0 * self.noise[k]),
+                    _ => {
+                        let of = |k: usize| {
+                            let floor = self.noise[k];
+                            SAMPLES * validate.len() as f64 * (old[k].max(floor) / new[k].max(floor)).ln()
+                        };
+                        (0..self.setup.outputs()).map(of).sum::<f64>() > VERY_STRONG
+                    }
+                }
             };
             // Another clock of the inputs moves every output that depends on them; a lag that the model lacks moves temperatures only.
             let is_common = gains.iter().all(|gain| *gain > -VERY_STRONG);
             if shift.gain < LEAST || !explains || !validated || !is_common {
                 return best;
+            }
+            let fit = agreement::Fit {
+                setup: self.setup,
+                changed: &setup,
+                fitted: &fitted.hypothesis,
+                noise: self.noise,
+                who: shift.who,
+                late: shift.late,
+            };
+            let runs: Vec<usize> = self.fit.iter().chain(validate).copied().collect();
+            if !fit.holds(&runs)? {
+                return None;
             }
             let shift_of_fit = self.estimated(&shift, &fitted.hypothesis, &setup, &as_is.hypothesis)?;
             best = Some(Shift { gain: shift.gain, ..shift_of_fit });

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::testing::{self, normal, rng};
+use std::cell::Cell;
 
 const PRIORS: &str = "\"motor.R_ref\" = 0.05\n\"motor.k_t\" = 0.05\n\"thermal.R_wh\" = 0.2\n\"thermal.C_w\" = 0.2\n\
                       \"conductance.G_still\" = 0.2\n\"thermal.C_h\" = 0.2\n\"conductance.G_forced\" = 0.2";
@@ -141,6 +142,38 @@ fn an_input_with_a_clock_of_its_own_is_unusable() {
             panic!("{:?}", shifted.notes)
         };
         assert_eq!(why.channel, "current_A", "{why:?}");
+    }
+}
+
+/// The motor responds to its fan with a first-order lag, or by another number of rows late or early in each half of the run.
+#[test]
+fn a_delayed_response_is_no_clock() {
+    const FAN: usize = 2;
+    let lagging = |fan: &mut [f64]| {
+        let mut at = fan[0];
+        for x in fan {
+            at += (*x - at) * (1.0 - (-3.0f64 / 120.0).exp());
+            *x = at;
+        }
+    };
+    let late = |fan: &mut [f64]| {
+        fan[..600].rotate_right(20);
+        fan[600..].rotate_right(40);
+    };
+    let early = |fan: &mut [f64]| {
+        fan[..600].rotate_left(20);
+        fan[600..].rotate_left(40);
+    };
+    let cases: [(&str, &dyn Fn(&mut [f64])); 3] = [("lagging", &lagging), ("late", &late), ("early", &early)];
+    for (case, respond) in cases {
+        let command = Cell::new(Vec::new());
+        let mut good = with_inputs(7, |columns| {
+            command.set(columns[FAN].clone());
+            respond(&mut columns[FAN]);
+        });
+        *column(&mut good, FAN) = command.take();
+        assert_eq!(check(&mut good, &[], &Deadline::default()), Ok(()), "{case}");
+        assert!(good.notes.iter().all(|n| !n.contains("against the response")), "{case}: {:?}", good.notes);
     }
 }
 

@@ -144,6 +144,15 @@ impl About {
         mean_square(&self.lines[output], late, &self.priors[output])
     }
 
+    /// The same comparison for the readings from `from` to `to` alone.
+    pub fn within(mut self, from: f64, to: f64) -> About {
+        for line in self.lines.iter_mut().flatten() {
+            let outside = line.time.iter().zip(&mut line.read).filter(|(t, _)| **t < from || **t > to);
+            outside.for_each(|(_, y)| *y = f64::NAN);
+        }
+        self
+    }
+
     /// The same for an output whose sensor has a first-order lag.
     pub fn lagged(&self, output: usize, tau: f64) -> Option<(f64, usize)> {
         let lines: Vec<Line> = self.lines[output].iter().map(|l| l.lagged(tau)).collect();
@@ -160,6 +169,19 @@ impl About {
         let lines: Option<Vec<Line>> = self.lines[output].iter().zip(predicted).map(of).collect();
         mean_square(&lines?, 0.0, &self.priors[output])
     }
+}
+
+/// Column after a first-order lag; blank readings remain blank.
+pub fn lagging(table: &Table, column: usize, tau: f64) -> Vec<f64> {
+    let known = || table.time.iter().zip(&table.columns[column]).filter(|(_, x)| x.is_finite());
+    let (time, values): (Vec<f64>, Vec<f64>) = known().unzip();
+    if values.is_empty() {
+        return table.columns[column].clone();
+    }
+    let line = Line { time, read: Vec::new(), columns: vec![values] };
+    let mut lagged = line.lagged(tau).columns.remove(0).into_iter();
+    let of = |x: &f64| if x.is_finite() { lagged.next().unwrap_or(*x) } else { f64::NAN };
+    table.columns[column].iter().map(of).collect()
 }
 
 /// Column with its delay corrected; blank where there is no reading.
