@@ -74,6 +74,9 @@ enum Known {
     Time,
 }
 
+/// Points for generic terms, with all effects and with some: an effect may replace the node that a driver belongs to.
+const ONCE: [Point; 2] = [(1.0, true), (1.0, false)];
+
 impl Dependencies {
     /// The dependencies of a model with these resources; the start values give the number of elements.
     pub fn of(kind: &ModelType, resources: &Resources, starts: &StartValues) -> Dependencies {
@@ -86,7 +89,7 @@ impl Dependencies {
         let usual = counts.into_iter().all(|entry| starts.of(entry) == entry.row.start);
         match (resources.is_empty(), usual) {
             (true, true) => known,
-            (false, true) => known.and(Dependencies::found(kind, resources, starts, &POINTS[..1])),
+            (false, true) => known.and(Dependencies::found(kind, resources, starts, &ONCE)),
             (_, false) => known.and(Dependencies::found(kind, resources, starts, &POINTS)),
         }
     }
