@@ -11,7 +11,7 @@ mod gate;
 
 use crate::CalibrateError;
 use crate::hypothesis::{Addition, Hypothesis};
-use crate::levels::{DECISIVE, LEAD, STRUCTURE};
+use crate::levels::{DECISIVE, LEAD, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
 use crate::search::{Scored, choice, temperatures};
@@ -196,12 +196,12 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     let is_simple = |c: &Candidate| matches!(c.addition().follows, Follows::Nothing | Follows::Driver(_));
     let is_best_simple = first.is_none_or(is_simple);
     let near = LEAST.max(best * STRUCTURE);
-    // A second driver is a further addition: it has to explain as much as one.
+    // A second driver is a further addition: it has to explain as much as one, and not only what is left by nearly the same law.
     let is_part = |c: &Candidate, whole: &Candidate| {
         matches!(whole.addition().follows, Follows::Both(..))
             && matches!(c.addition().follows, Follows::Driver(own) if whole.addition().follows.drivers().any(|d| d == own))
             && c.addition().port == whole.addition().port
-            && best - c.sure() < asked(&c.point, &whole.point)
+            && (c.sure() > NEARLY * best || best - c.sure() < asked(&c.point, &whole.point))
     };
     let stands = |c: &Candidate| {
         let is_preferred = c.addition().is_listed() || (!is_best_simple && is_simple(c));

@@ -113,7 +113,7 @@ impl Fit<'_> {
         let most = 2.0 * self.late.abs();
         let is_end = (self.late > 0.0) == of_input;
         let known = if is_end { (from, to - most) } else { (from + most, to) };
-        if known.1 - known.0 < 0.5 * (to - from) {
+        if 2.0 * (known.1 - known.0) < to - from {
             return None;
         }
         let length = (known.1 - known.0) / halves as f64;
