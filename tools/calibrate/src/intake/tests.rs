@@ -164,8 +164,8 @@ fn a_delayed_response_is_no_clock() {
         fan[..600].rotate_left(20);
         fan[600..].rotate_left(40);
     };
-    let cases: [(&str, &dyn Fn(&mut [f64])); 3] = [("lagging", &lagging), ("late", &late), ("early", &early)];
-    for (case, respond) in cases {
+    let cases: [fn(&mut [f64]); 3] = [lagging, late, early];
+    for (case, respond) in ["lagging", "late", "early"].into_iter().zip(cases) {
         let command = Cell::new(Vec::new());
         let mut good = with_inputs(7, |columns| {
             command.set(columns[FAN].clone());
