@@ -29,6 +29,9 @@ const AROUND: i32 = 20;
 /// Quantile of the standard normal distribution beyond which offsets differ between runs. Definition: one-sided probability of 1e-3, the
 /// false-alarm probability of a shift.
 const DIFFERENT: f64 = 3.09;
+/// Variance of the cube root of chi-square over its mean, times the degrees of freedom. Source: E. B. Wilson, M. M. Hilferty, PNAS 17
+/// (1931) 684-688.
+const CUBE_ROOT: f64 = 2.0 / 9.0;
 
 /// A shift of a channel at a fit.
 pub struct Fit<'a> {
@@ -155,9 +158,9 @@ impl Fit<'_> {
     }
 }
 
-/// Quantile of chi-square: E. B. Wilson, M. M. Hilferty, PNAS 17 (1931) 684-688.
+/// Quantile of chi-square: its cube root is nearly normal.
 fn quantile(freedom: usize) -> f64 {
-    let (n, spread) = (freedom as f64, 2.0 / (9.0 * freedom as f64));
+    let (n, spread) = (freedom as f64, CUBE_ROOT / freedom as f64);
     n * (1.0 - spread + DIFFERENT * spread.sqrt()).powi(3)
 }
 
