@@ -1,6 +1,6 @@
 //! `report.html`: what closing the loop has found, for a person. One file, for light and dark, without a script.
 
-mod figures;
+pub(super) mod figures;
 mod measurement;
 
 use super::text::{driver, law, list, number, own_headers, plain, port, replay as replay_words, verdict};

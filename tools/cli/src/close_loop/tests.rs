@@ -1,6 +1,7 @@
 use super::*;
 use calibrate::experiment::Role;
-use calibrate::outcome::Verdict;
+use calibrate::outcome::{Follows, Verdict};
+use describe::{Driver, GenericTerm, Grid, Law, Port};
 use serde_json::{Value, json};
 
 const ALL: [Verdict; 4] = [Verdict::Named, Verdict::Class, Verdict::Unexplained, Verdict::Nothing];
@@ -172,4 +173,28 @@ fn a_page_is_complete_in_itself() {
     }
     assert!(!page_of(Verdict::Named).contains("Unexplained effect"));
     assert!(!page_of(Verdict::Nothing).contains("Identified effects"));
+}
+
+/// A law over two drivers is a sentence with the range of both, and a line for each point of the second in its figure.
+#[test]
+fn a_law_of_two_drivers_is_described() {
+    let follows = Follows::Both(Driver::Speed, Driver::HousingTemperature);
+    assert_eq!(text::driver(follows), "follows the speed and the housing's temperature");
+    let rows = [vec![0.0, 1.0, 2.0], vec![3.0, 4.0, 5.5]];
+    let grid = Grid::new(
+        [Driver::Speed, Driver::HousingTemperature],
+        [&[0.0, 500.0], &[290.0, 300.0, 320.0]],
+        &rows,
+    );
+    let term = GenericTerm::new(Port::HousingHeat, Law::Grid(grid.unwrap()));
+    let sentence = text::law(&term);
+    for part in ["speed (2 points from 0 to 500 rad/s)", "(3 points from 290 to 320 K)", "from 0 to 5.5 W"] {
+        assert!(sentence.contains(part), "{sentence}");
+    }
+    let mut outcome = sample::outcome(Verdict::Unexplained);
+    let mut found = outcome.unexplained.clone().unwrap();
+    (found.port, found.follows) = (Port::HousingHeat, follows);
+    (outcome.effects[0].port, outcome.effects[0].term) = (Port::HousingHeat, Some(term));
+    let svg = page::figures::shape(&found, &outcome).svg;
+    assert!(["290 K", "300 K", "320 K"].iter().all(|at| svg.contains(at)), "{svg}");
 }

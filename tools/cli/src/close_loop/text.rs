@@ -2,7 +2,7 @@
 
 use calibrate::experiment::{Channel, Experiment, Role};
 use calibrate::outcome::{Follows, Found, Outcome, Verdict};
-use calibrate::report::Replay;
+use calibrate::report::{Replay, driver_unit};
 use describe::{Driver, GenericTerm, Lag, Law, ModelType, Port, Resources, StartValues, usage};
 pub use present::number;
 
@@ -32,8 +32,8 @@ pub fn driver(follows: Follows) -> String {
         Follows::Nothing => "is constant",
         Follows::History => "depends on the history",
         Follows::Both(first, second) => {
-            let second = self::driver(Follows::Driver(second));
-            return format!("{} and {}", self::driver(Follows::Driver(first)), second);
+            let [first, second] = [first, second].map(|own| self::driver(Follows::Driver(own)));
+            return format!("{first} and {}", second.trim_start_matches("follows "));
         }
         Follows::Late(driver) => {
             return self::driver(Follows::Driver(driver)) + " with a first-order lag";
@@ -107,19 +107,26 @@ fn present_law(term: &GenericTerm) -> String {
             )
         }
         Law::Grid(grid) => {
-            let line = |k: usize| grid.points(k).iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ");
-            let rows: Vec<String> = grid
-                .values()
-                .map(|row| row.iter().map(|z| number(*z)).collect::<Vec<_>>().join(", "))
-                .collect();
+            let line = |k: usize| {
+                let (points, driver) = (grid.points(k), grid.drivers[k]);
+                let last = with_unit(points[points.len() - 1], driver_unit(driver));
+                format!(
+                    "{} ({} points from {} to {last})",
+                    plain(driver.name()),
+                    points.len(),
+                    number(points[0])
+                )
+            };
+            let values = || grid.values().flatten().copied();
+            let [least, most] =
+                [values().fold(f64::INFINITY, f64::min), values().fold(-f64::INFINITY, f64::max)];
             format!(
-                "a grid of {} over {} ({}) and {} ({}), bilinear, held beyond its edges: {}",
+                "a grid of {} over {} and {}, bilinear, held beyond its edges: values from {} to {}",
                 plain(term.port.name()),
-                plain(grid.drivers[0].name()),
                 line(0),
-                plain(grid.drivers[1].name()),
                 line(1),
-                rows.join("; ")
+                number(least),
+                with_unit(most, term.port.unit().name())
             )
         }
     }

@@ -1,10 +1,11 @@
 //! The figures of the page.
 
-use super::super::text::{number, plain};
+use super::super::text::{self, number, plain};
 use super::port;
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Curve, Curves, Outcome, Unexplained};
 use calibrate::report::{column_words, driver_unit};
+use describe::{Grid, Law};
 use present::figure::{Axis, Figure, Mark, Row, Rows};
 use present::page::Plate;
 
@@ -233,7 +234,8 @@ pub fn forest(experiment: &Experiment, outcome: &Outcome) -> Plate {
     )
 }
 
-/// The estimated effect at a port over its driver, with its band; of two drivers over the first one, averaged over the second.
+/// The estimated effect at a port over its driver, with its band; of two drivers over the first one, averaged over the second, and the law at
+/// the points of the second.
 pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
     let (x, y): (Vec<f64>, Vec<(f64, f64)>) = (
         found.shape.iter().map(|p| WITHIN_95 * p.2).collect(),
@@ -251,10 +253,29 @@ pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
         .band("95 %", y.clone(), x)
         .colour(0)
         .line("estimate", y);
+    let terms = outcome.effects.iter().filter(|e| e.port == found.port).filter_map(|e| e.term.as_ref());
+    let grid =
+        terms.filter_map(|term| if let Law::Grid(grid) = &term.law { Some(grid) } else { None }).next();
+    let figure = grid
+        .map_or_else(Vec::new, |grid| sections(grid))
+        .into_iter()
+        .enumerate()
+        .fold(figure, |figure, (k, (label, line))| figure.colour(k + 1).line(&label, line));
     let magnitude = outcome
         .effects
         .iter()
         .find(|e| e.term.is_some() && e.port == found.port)
         .map_or(String::new(), |e| format!(" It {}.", e.magnitude));
     Plate::new("shape", figure, format!("Estimated effect on {}.{magnitude}", port(found.port)))
+}
+
+/// The law over the first driver of a grid at each point of the second, with a label.
+fn sections(grid: &Grid) -> Vec<(String, Vec<(f64, f64)>)> {
+    let rows: Vec<&[f64]> = grid.values().collect();
+    let section = |(k, at): (usize, &f64)| {
+        let line = grid.points(0).iter().zip(&rows).map(|(x, row)| (*x, row[k])).collect();
+        let second = grid.drivers[1];
+        (format!("{} {}", plain(second.name()), text::with_unit(*at, driver_unit(second))), line)
+    };
+    grid.points(1).iter().enumerate().map(section).collect()
 }
