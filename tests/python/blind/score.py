@@ -11,7 +11,7 @@ import argparse
 import json
 import sys
 from dataclasses import asdict, dataclass
-from datetime import date
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -265,7 +265,7 @@ def main(arguments=None) -> int:
         options.tables.mkdir(parents=True, exist_ok=True)
         table = {
             "seed": asked[0].name.split("-")[1],
-            "date": str(date.today()),
+            "date": datetime.now().strftime("%Y-%m-%d %H:%M"),  # two tables of a day have an order
             "command": options.command,
             "sets": [asdict(s) for s in sets],
         }
