@@ -257,7 +257,7 @@ pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
     let grid =
         terms.filter_map(|term| if let Law::Grid(grid) = &term.law { Some(grid) } else { None }).next();
     let figure = grid
-        .map_or_else(Vec::new, |grid| sections(grid))
+        .map_or_else(Vec::new, sections)
         .into_iter()
         .enumerate()
         .fold(figure, |figure, (k, (label, line))| figure.colour(k + 1).line(&label, line));
