@@ -114,7 +114,7 @@ def said_in(report: dict) -> Said:
     law = None
     if verdict == "unexplained" and rest:
         drivers = (rest.get("driver") or "").split(" and ")
-        law = (rest["port"], [d["name"] if isinstance(d, dict) else d for d in drivers if d])
+        law = (rest["port"], [d for d in drivers if d])
     channel = f"{unusable.get('channel')}: {unusable.get('reason')}" if verdict == "unusable" else None
     return Said(names, classes, law, channel, [str(note) for note in report.get("notes") or []])
 

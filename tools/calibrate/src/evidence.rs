@@ -27,6 +27,7 @@ use gains::Seen;
 pub use memory::{Memory, Series};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 pub use prior::Prior;
+use std::borrow::Cow;
 
 /// Drifts that are compared: ratio of its standard deviation to that of the noise, and correlation time, s. Tuned: thermocouples drift
 /// by up to their noise within an hour.
@@ -196,9 +197,9 @@ impl Evidence {
 
     /// The same null model without the priors of tables. Whether a run asks for another size is judged without them: a table that only this
     /// run determines would trade its prior against the size.
-    pub fn without_tables(&self) -> Option<Evidence> {
+    pub fn without_tables(&self) -> Option<Cow<'_, Evidence>> {
         if !self.prior.has_tables() {
-            return Some(self.clone());
+            return Some(Cow::Borrowed(self));
         }
         let mut other = Evidence { prior: self.prior.without_tables(), ..self.clone() };
         for n in 0..other.noises.len() {
@@ -208,7 +209,7 @@ impl Evidence {
             let states = states.collect::<Option<Vec<_>>>()?;
             other.noises[n].states = states;
         }
-        Some(other)
+        Some(Cow::Owned(other))
     }
 
     /// Extends the null model by noise with a memory, if the residual has it.

@@ -59,17 +59,19 @@ pub struct Axis {
     pub knots: Vec<f64>,
 }
 
+/// Number of values of a table.
+pub fn values(axes: &[Axis]) -> usize {
+    axes.iter().map(|axis| axis.knots.len()).product()
+}
+
+/// The point of each axis at which the `k`-th value of a table stands.
+pub fn place(axes: &[Axis], k: usize) -> impl Iterator<Item = (&Axis, usize)> {
+    axes.iter().enumerate().map(move |(n, axis)| (axis, k / values(&axes[n + 1..]) % axis.knots.len()))
+}
+
 /// Weight of the `k`-th value of a table at the values of its drivers.
 pub fn weight(axes: &[Axis], k: usize, of: impl Fn(Driver) -> f64) -> f64 {
-    let mut place = k;
-    axes.iter()
-        .rev()
-        .map(|axis| {
-            let own = place % axis.knots.len();
-            place /= axis.knots.len();
-            hat(&axis.knots, own, of(axis.driver))
-        })
-        .product()
+    place(axes, k).map(|(axis, own)| hat(&axis.knots, own, of(axis.driver))).product()
 }
 
 /// An addition to a model.
@@ -135,7 +137,7 @@ impl Addition {
     pub fn sizes(&self) -> usize {
         match &self.shape {
             Shape::Listed { .. } | Shape::Power { .. } => 1,
-            Shape::Table { axes, .. } => axes.iter().map(|axis| axis.knots.len()).product(),
+            Shape::Table { axes, .. } => values(axes),
         }
     }
 
@@ -405,7 +407,7 @@ mod tests {
     fn table_of(axes: &[(Driver, &[f64])]) -> Shape {
         let axes: Vec<Axis> =
             axes.iter().map(|(driver, knots)| Axis { driver: *driver, knots: knots.to_vec() }).collect();
-        let n = axes.iter().map(|axis| axis.knots.len()).product();
+        let n = values(&axes);
         Shape::Table { axes, precision: DMatrix::zeros(n, n) }
     }
 

@@ -33,6 +33,7 @@ pub use memory_terms::{best_memory_term, latent_input, latent_input_at, needs_me
 use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 pub use structure::structure;
+
 /// Times per run at which a step change is tried. Numerical: every row near the best one follows.
 const TIMES: usize = 60;
 /// Number of times for which the gains are computed together. Numerical: a block of columns that fits into the cache.

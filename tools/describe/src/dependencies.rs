@@ -75,7 +75,7 @@ enum Known {
 }
 
 /// Points for generic terms, with all effects and with some: an effect may replace the node that a driver belongs to.
-const ONCE: [Point; 2] = [(1.0, true), (1.0, false)];
+const ONCE: [Point; 2] = [POINTS[0], POINTS[2]];
 
 impl Dependencies {
     /// The dependencies of a model with these resources; the start values give the number of elements.

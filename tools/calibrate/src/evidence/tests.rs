@@ -79,7 +79,7 @@ fn a_table_has_its_prior_until_it_is_taken_away() {
         pull -= &scale * &precision * &values * with;
         l.cholesky().unwrap().solve(&rhs)
     };
-    for (evidence, with) in [(evidence.without_tables().unwrap(), 0.0), (evidence, 1.0)] {
+    for (evidence, with) in [(evidence.without_tables().unwrap().into_owned(), 0.0), (evidence, 1.0)] {
         let (moves, _) = evidence.estimate(3, None);
         let expected = normal(with);
         assert!(

@@ -14,7 +14,7 @@
 use super::{Scored, choice, scored, temperatures};
 use crate::evidence::Gain;
 use crate::experiment::Channel;
-use crate::hypothesis::{Addition, Axis, Number, Shape, power, weight};
+use crate::hypothesis::{Addition, Axis, Number, Shape, place, power, values, weight};
 use crate::levels::NEARLY;
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
@@ -39,13 +39,13 @@ const KNOT_APART: f64 = 0.02;
 pub(super) const LEAST_REFERENCE: f64 = 1e-9;
 /// Limits of an exponent. Limit: losses and drops of motors grow with powers from 0.5 (brush drop) to 3 (windage); beyond these limits
 /// a power is a step.
-pub(super) const EXPONENT_LIMITS: (f64, f64) = (0.1, 5.0);
+const EXPONENT_LIMITS: (f64, f64) = (0.1, 5.0);
 /// Unit of an exponent in the fit. Numerical: scale of a variable.
-pub(super) const EXPONENT_SCALE: f64 = 0.05;
+const EXPONENT_SCALE: f64 = 0.05;
 /// Exponents that are tried. Numerical: the fit determines the exponent.
 const EXPONENTS: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
 /// No limits.
-pub(super) const UNLIMITED: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+const UNLIMITED: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 /// Knots over a driver's values in the runs: least, greatest, and points between; `None` if it hardly varies.
 pub(super) fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
@@ -88,12 +88,10 @@ pub(super) fn kernel(axes: &[Axis]) -> DMatrix<f64> {
     let own: Vec<DMatrix<f64>> = axes.iter().map(|axis| alike(&axis.knots)).collect();
     let [first, second] = &own[..] else { return own.into_iter().next().unwrap_or_default() };
     let constant = |k: &DMatrix<f64>| DMatrix::from_element(k.nrows(), k.ncols(), 1.0);
-    let parts = [
-        (first.clone(), constant(second)),
-        (constant(first), second.clone()),
-        (first.clone(), second.clone()),
-    ];
-    parts.iter().map(|(a, b)| a.kronecker(b)).sum::<DMatrix<f64>>() / parts.len() as f64
+    let parts =
+        [first.kronecker(&constant(second)), constant(first).kronecker(second), first.kronecker(second)];
+    let count = parts.len() as f64;
+    parts.into_iter().sum::<DMatrix<f64>>() / count
 }
 
 /// A table whose values have the prior of (1) or (2) with the variance q^2 that the data give.
@@ -189,7 +187,7 @@ pub(super) fn smooth(point: &Linearization, port: Port, driver: Driver, per_numb
 
 /// (1) or (2) at a port.
 fn over(point: &Linearization, port: Port, axes: Vec<Axis>, per_number: f64) -> Option<Scored> {
-    let count = axes.iter().map(|axis| axis.knots.len()).product();
+    let count = values(&axes);
     let columns = point.port_columns(port, count, |k, _, _, d| weight(&axes, k, |driver| d.of(driver)))?;
     let gain = point.evidence.shape(&columns, &kernel(&axes))?;
     let drivers: Vec<&str> = axes.iter().map(|axis| axis.driver.name()).collect();
@@ -201,17 +199,9 @@ fn over(point: &Linearization, port: Port, axes: Vec<Axis>, per_number: f64) -> 
     // One for the size, and one for each driver.
     let cost = (1.0 + axes.len() as f64) * per_number + choice(port, follows);
     let mut found = Scored { shape: profile(&axes, &gain), ..scored(name, port, follows, &gain, cost, &[]) };
-    let place = |k: usize| {
-        let mut rest = k;
-        let mut all: Vec<String> = Vec::new();
-        for axis in axes.iter().rev() {
-            all.push(format!("{} = {:.4}", axis.driver.name(), axis.knots[rest % axis.knots.len()]));
-            rest /= axis.knots.len();
-        }
-        all.reverse();
-        all.join(", ")
-    };
-    let numbers = (0..count).map(|k| value(port, &place(k), k, &gain)).collect();
+    let point_of = |(axis, k): (&Axis, usize)| format!("{} = {:.4}", axis.driver.name(), axis.knots[k]);
+    let at = |k: usize| place(&axes, k).map(point_of).collect::<Vec<_>>().join(", ");
+    let numbers = (0..count).map(|k| value(port, &at(k), k, &gain)).collect();
     found.addition = Some(term(point, (port, follows), table(axes, &gain), numbers));
     Some(found)
 }
@@ -219,7 +209,7 @@ fn over(point: &Linearization, port: Port, axes: Vec<Axis>, per_number: f64) -> 
 /// Function over the first driver with standard deviations: the mean over the knots of the second.
 fn profile(axes: &[Axis], gain: &Gain) -> Vec<(f64, f64, f64)> {
     let first = &axes[0].knots;
-    let others = axes[1..].iter().map(|axis| axis.knots.len()).product::<usize>();
+    let others = values(&axes[1..]);
     let of = |(k, x): (usize, &f64)| {
         let from = k * others;
         let mean = gain.size.rows(from, others).sum() / others as f64;
