@@ -389,6 +389,7 @@ impl<'a> Search<'a> {
         let candidate = &round.candidates[taken];
         let addition = candidate.addition();
         let mut alternatives: Vec<String> = Vec::new();
+        let mut weights = vec![round.probability(candidate.delta.0)];
         let mut separating = None;
         for other in round.alike.iter().map(|k| &round.candidates[*k]) {
             let id = &other.addition().id;
@@ -396,6 +397,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             alternatives.push(id.clone());
+            weights.push(round.probability(other.delta.0));
             if separating.is_none() && !self.is_cut {
                 let names = [addition.id.as_str(), id.as_str()];
                 separating = separate(
@@ -406,11 +408,14 @@ impl<'a> Search<'a> {
                 );
             }
         }
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|weight| *weight /= sum);
         Ok(Found {
             id: addition.id.clone(),
             port: addition.port,
             follows: addition.follows,
             alternatives,
+            weights,
             runs: files(setup, &addition.active),
             everywhere: addition.active.iter().all(|on| *on),
             parameters: Vec::new(),

@@ -59,6 +59,8 @@ pub struct Found {
     pub follows: Follows,
     /// Ids of effects that explain the data equally well.
     pub alternatives: Vec<String>,
+    /// Posterior weights of it and its alternatives, in this order; their sum is 1.
+    pub weights: Vec<f64>,
     /// Files of the runs in which it acts.
     pub runs: Vec<String>,
     /// Whether it acts in every run.
@@ -146,12 +148,22 @@ pub struct Evidence {
     pub delta_bic: f64,
     /// Reduction of BIC by it, allowing for autocorrelated noise.
     pub delta_bic_whitened: f64,
+    /// Posterior probability of it among the candidates of its round and the model without any, 0 to 1.
+    pub probability: f64,
     /// Ratio of validation error with it to validation error without it.
     pub validation_ratio: Option<f64>,
     /// Whether it was accepted.
     pub accepted: bool,
     /// Reason, in one sentence.
     pub reason: String,
+}
+
+impl Found {
+    /// It and its alternatives, with their posterior weights.
+    pub fn class(&self) -> impl Iterator<Item = (&str, f64)> {
+        let ids = std::iter::once(&self.id).chain(&self.alternatives).map(String::as_str);
+        ids.zip(self.weights.iter().copied())
+    }
 }
 
 /// Fraction of the residual that a latent input at a port explains.

@@ -8,17 +8,18 @@
 //! error decreases by more than structure error. With the cost alone, effects would be found on every bench with drifting thermocouples.
 
 mod gate;
+mod preference;
 
 use crate::CalibrateError;
 use crate::hypothesis::{Addition, Hypothesis};
-use crate::levels::{DECISIVE, LEAD, NEARLY, STRUCTURE};
+use crate::levels::{DECISIVE, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
-use crate::search::{Scored, choice, temperatures};
+use crate::search::{Scored, choice};
 use crate::setup::Setup;
 use gate::gate;
 pub use gate::{acting, asked, predicts_where_it_acts};
-use physics::terms::{Driver, Port};
+use preference::{best_predicting, listed_instead, order_by_likelihood};
 use rayon::prelude::*;
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
@@ -130,6 +131,18 @@ impl<'a> Round<'a> {
         self
     }
 
+    /// Posterior probability of a model with this reduction of the cost, among the candidates of the round and the model without any, all
+    /// equally probable before: exp(-cost / 2) approximates the marginal likelihood.
+    ///
+    /// *Source*: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec. 4.1.3.
+    pub fn probability(&self, delta: f64) -> f64 {
+        let all =
+            || self.candidates.iter().map(|c| c.delta.0).chain(self.failed.iter().map(|(s, _)| s.evidence));
+        let most = all().fold(0.0, f64::max);
+        let weight = |delta: f64| (0.5 * (delta - most)).exp();
+        weight(delta) / (weight(0.0) + all().map(weight).sum::<f64>())
+    }
+
     /// Candidate table of the round for the report.
     pub fn candidate_table(&self, round: usize) -> Vec<Evidence> {
         let best = self.winner().map(|c| c.name.clone());
@@ -139,6 +152,7 @@ impl<'a> Round<'a> {
             port: scored.port,
             delta_bic: scored.raw,
             delta_bic_whitened: scored.evidence,
+            probability: self.probability(scored.evidence),
             validation_ratio: None,
             accepted: false,
             reason: format!("could not be fitted, BIC to first order: {error}"),
@@ -161,6 +175,7 @@ impl<'a> Round<'a> {
                 port: c.addition().port,
                 delta_bic: c.delta.1,
                 delta_bic_whitened: c.delta.0,
+                probability: self.probability(c.delta.0),
                 validation_ratio: c.validation,
                 accepted: self.taken == Some(k),
                 reason,
@@ -224,7 +239,13 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
         let passes = refused.is_none();
         candidates[k].refused = refused;
         match (passes, taken) {
-            (true, None) => taken = Some(best_predicting(point, &mut candidates, k)),
+            (true, None) => {
+                let listed = listed_instead(point, &candidates, k, near);
+                if let Some(other) = listed {
+                    candidates[other].refused = None;
+                }
+                taken = Some(listed.unwrap_or_else(|| best_predicting(point, &mut candidates, k)));
+            }
             (true, Some(_)) if candidates[k].addition().is_listed() => alike.push(k),
             _ => {}
         }
@@ -237,99 +258,6 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     let rest = candidates.iter_mut().enumerate().filter(|(k, _)| ![taken, first].contains(&Some(*k)));
     rest.for_each(|(_, candidate)| candidate.point.release());
     Round { candidates, taken, excuse: None, alike, failed }
-}
-
-/// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
-/// sensor error that depends on the motor, an effect at a node depends on the temperature of that node, and a driver that is measured is
-/// preferred to a heat flow that the model computes from it.
-fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>, near: f64) {
-    let unnamed = |k: &usize| !candidates[*k].addition().is_listed();
-    for strange in [is_at_a_sensor as fn(&Addition) -> bool, follows_another_node, follows_a_heat] {
-        let Some(first) = order.iter().position(unnamed) else { return };
-        let best = &candidates[order[first]];
-        if !strange(best.addition()) {
-            continue;
-        }
-        let as_well = |k: &usize| {
-            let other = &candidates[*k];
-            unnamed(k)
-                && !strange(other.addition())
-                && (is_sensor(best.addition().port) || other.addition().port == best.addition().port)
-                && best.sure() - other.sure() < near
-        };
-        if let Some(other) = order.iter().position(as_well) {
-            let other = order.remove(other);
-            order.insert(first, other);
-        }
-    }
-}
-
-fn is_at_a_sensor(addition: &Addition) -> bool {
-    is_sensor(addition.port)
-}
-
-fn follows_another_node(addition: &Addition) -> bool {
-    let of_other = |(_, other): (Driver, Driver)| addition.follows == Follows::Driver(other);
-    temperatures(addition.port).is_some_and(of_other)
-}
-
-fn follows_a_heat(addition: &Addition) -> bool {
-    matches!(addition.follows, Follows::Late(driver) if driver.is_heat())
-}
-
-fn is_sensor(port: Port) -> bool {
-    matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor | Port::TorqueSensor)
-}
-
-/// Among laws with the port and driver of the `k`-th candidate, the one with the smallest validation error. A power law extrapolates, a
-/// table is held constant: a table has to be clearly better.
-fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize) -> usize {
-    let place = |c: &Candidate| (c.addition().port, c.addition().follows);
-    if let Some(law) = law_ahead(point, candidates, k) {
-        return best_predicting(point, candidates, law);
-    }
-    if candidates[k].addition().is_listed() {
-        return k;
-    }
-    let worth = |c: &Candidate| {
-        c.validation.unwrap_or(1.0) * if c.addition().is_table() { 1.0 + STRUCTURE } else { 1.0 }
-    };
-    let mut best = k;
-    for other in 0..candidates.len() {
-        let apart = candidates[k].sure() - candidates[other].sure();
-        let near = apart.abs() <= LEAD.max(STRUCTURE * candidates[k].sure().abs());
-        let same = place(&candidates[other]) == place(&candidates[k]);
-        let own = &candidates[other];
-        if other == k || !same || !near || own.refused.is_some() || own.addition().is_listed() {
-            continue;
-        }
-        let Ok((validation, None)) = gate(point, &candidates[other]) else { continue };
-        candidates[other].validation = validation;
-        if worth(&candidates[other]) < worth(&candidates[best]) {
-            best = other;
-        }
-    }
-    best
-}
-
-/// A listed effect is preferred to a law that explains little more, and a law of one driver to one of two, unless the other law, at the same
-/// port, also has a far smaller validation error.
-fn law_ahead(point: &Linearization, candidates: &mut [Candidate], k: usize) -> Option<usize> {
-    let own = &candidates[k];
-    let (port, sure, foretold) = (own.addition().port, own.sure(), own.validation?);
-    let drivers = |c: &Candidate| match c.addition().follows {
-        _ if c.addition().is_listed() => 0,
-        Follows::Both(..) => 2,
-        _ => 1,
-    };
-    let explains_more = |c: &Candidate| {
-        c.refused.is_none() && drivers(c) > drivers(own) && c.addition().port == port && c.sure() > sure
-    };
-    let law = candidates.iter().position(explains_more)?;
-    let (validation, refused) = gate(point, &candidates[law]).ok()?;
-    (candidates[law].validation, candidates[law].refused) = (validation, refused);
-    let ahead = candidates[law].refused.is_none() && validation? < AHEAD * foretold;
-    ahead.then_some(law)
 }
 
 /// The most promising candidates of each kind, with distinct effects, ports or drivers: ranked by evidence under both noise models, then
@@ -410,6 +338,7 @@ fn at_limit(addition: &Addition) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use physics::terms::{Driver, Port};
 
     fn scored(name: &str, addition: Option<Addition>, evidence: f64) -> Scored {
         Scored {
@@ -436,6 +365,25 @@ mod tests {
         let names: Vec<&str> = choose(&all).into_iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names.iter().filter(|n| n.starts_with("windage")).count(), 2, "{names:?}");
         assert_eq!(names.len() - 2, CANDIDATES[0] - 1, "{names:?}");
+    }
+
+    /// Probabilities of the candidates of a round and of the model without any add up to 1; a difference of 2 ln 2 in BIC doubles them.
+    #[test]
+    fn probabilities_of_a_round_add_up() {
+        let failed = |delta: f64| (scored("windage", None, delta), CalibrateError(String::new()));
+        let round = |deltas: &[f64]| Round {
+            candidates: Vec::new(),
+            taken: None,
+            excuse: None,
+            alike: Vec::new(),
+            failed: deltas.iter().map(|delta| failed(*delta)).collect(),
+        };
+        let deltas = [2.0 * 4f64.ln(), 2.0 * 2f64.ln(), -5000.0];
+        let all = round(&deltas);
+        let shares: Vec<f64> = deltas.iter().map(|delta| all.probability(*delta)).collect();
+        assert!((shares[0] - 4.0 / 7.0).abs() < 1e-12 && (shares[1] - 2.0 / 7.0).abs() < 1e-12, "{shares:?}");
+        assert!((all.probability(0.0) + shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((round(&[5000.0]).probability(5000.0) - 1.0).abs() < 1e-12);
     }
 
     /// A candidate that could not be fitted is listed with the reason.

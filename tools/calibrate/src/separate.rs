@@ -153,18 +153,19 @@ fn compare(
         let span = a[k].iter().chain(&b[k]).fold(0.0f64, |m, x| m.max((x - a[k][0]).abs()));
         let size =
             if reading.is_temperature { span } else { a[k].iter().fold(0.0f64, |m, x| m.max(x.abs())) };
-        let levels = match reading.noise {
-            Some(noise) => apart.abs() / noise,
-            None => 100.0 * apart.abs() / size.max(LEAST),
+        let (levels, unit) = match reading.noise {
+            Some(noise) => (apart.abs() / noise, "standard deviations of its noise"),
+            None => {
+                let of = if reading.is_temperature { "% of its range" } else { "% of its greatest value" };
+                (100.0 * apart.abs() / size.max(LEAST), of)
+            }
         };
         // An output that is nearly constant cannot distinguish models by hundredths of its value.
         (levels.is_finite() && apart.abs() > LEAST).then(|| Difference {
             sentence: format!(
-                "{what}, {} would differ by {:.3} ({:.0} {}) after {:.0} s",
+                "{what}, {} would differ by {:.3} ({levels:.0} {unit}) after {:.0} s",
                 reading.name,
                 apart.abs(),
-                levels,
-                if reading.noise.is_some() { "noise levels" } else { "% of its own" },
                 drive.time[row] - drive.time[0],
             ),
             levels,

@@ -1,6 +1,7 @@
 //! Acceptance tests of a candidate: evidence, physical sign and size, the same size in every run, validation error.
 
-use super::{AHEAD, Candidate, LEAST, NEAR, is_sensor};
+use super::preference::is_sensor;
+use super::{AHEAD, Candidate, LEAST, NEAR};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::Role;
@@ -18,6 +19,15 @@ type Judged = (Option<f64>, Option<String>);
 
 /// Applies the acceptance tests: ratio of validation errors with and without the candidate, and the reason for rejection.
 pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, CalibrateError> {
+    gate_below(1.0 - STRUCTURE, before, candidate)
+}
+
+/// The same with another limit of the ratio.
+pub fn gate_below(
+    limit: f64,
+    before: &Linearization,
+    candidate: &Candidate,
+) -> Result<Judged, CalibrateError> {
     let (white, raw) = candidate.delta;
     let asked = asked(before, &candidate.point);
     if candidate.sure() <= asked {
@@ -43,7 +53,7 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
     if let Some(sentence) = unlike {
         return Ok((validation, Some(sentence)));
     }
-    if let Some(ratio) = validation.filter(|ratio| *ratio >= 1.0 - STRUCTURE) {
+    if let Some(ratio) = validation.filter(|ratio| *ratio >= limit) {
         let how = if ratio < 1.0 { "hardly predicted better" } else { "predicted worse" };
         let sentence = format!("what was not fitted is {how}: {ratio:.3} times the error without it");
         return Ok((validation, Some(sentence)));
@@ -54,7 +64,11 @@ pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, Cal
         );
         return Ok((validation, Some(sentence)));
     }
-    Ok((validation, None))
+    let worse = foretold.and_then(|f| f.worse).map(|(output, ratio)| {
+        let channel = before.setup.experiment.outputs[output].column;
+        format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
+    });
+    Ok((validation, worse))
 }
 
 /// Decrease of the cost that is asked for an addition, from the model without it to the model with it.
@@ -128,6 +142,8 @@ struct Validated {
     /// Fall of the sum, each output divided by its variance inflation (Burnham, Anderson, Model Selection and Multimodel Inference, 2nd
     /// ed., 2002, sec. 2.5): as many independent readings count as the memory of the noise leaves.
     fall: f64,
+    /// The output that is predicted worst with it, and the ratio of its error to that without it, if structure error can hardly cause it.
+    worse: Option<(usize, f64)>,
 }
 
 impl Validated {
@@ -135,9 +151,17 @@ impl Validated {
     fn new(setup: &Setup, runs: &[usize], shown: [&[Shown]; 2], candidate: &Candidate) -> Validated {
         let [with, without] = shown.map(|shown| setup.chi_squares(runs, shown));
         let inflation = candidate.point.evidence.inflation();
-        let fall = with.iter().zip(&without).zip(&inflation).map(|((a, b), own)| (b - a) / own).sum();
-        Validated { with: with.iter().sum(), without: without.iter().sum(), fall }
+        let falls: Vec<f64> = (0..with.len()).map(|k| (without[k] - with[k]) / inflation[k]).collect();
+        let worse = worst(&with, &without, &falls);
+        Validated { with: with.iter().sum(), without: without.iter().sum(), fall: falls.iter().sum(), worse }
     }
+}
+
+/// The output whose error grows most from sums of squares `without` to `with`, and the ratio, if structure error can hardly cause it.
+fn worst(with: &[f64], without: &[f64], falls: &[f64]) -> Option<(usize, f64)> {
+    let ratios = with.iter().zip(without).map(|(a, b)| (a / b).sqrt()).enumerate();
+    let worse = ratios.filter(|(k, ratio)| *ratio > 1.0 + PART && -falls[*k] > NEAR);
+    worse.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Ratio of validation errors with and without a candidate: on the validation runs; if it acts in none of them, on the end of the runs in
@@ -221,4 +245,27 @@ pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Res
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An output counts as worse by its ratio and by the number of independent readings behind it; an output without readings does not.
+    #[test]
+    fn one_output_that_is_predicted_worse_is_named() {
+        let without = [100.0, 100.0, 100.0, 0.0];
+        let falls = |with: &[f64; 4]| -> Vec<f64> { (0..4).map(|k| without[k] - with[k]).collect() };
+        let with = [10.0, 400.0, 225.0, 0.0];
+        assert_eq!(worst(&with, &without, &falls(&with)), Some((1, 2.0)));
+        // 25 % are within structure error.
+        let with = [10.0, 1.25f64.powi(2) * 100.0, 90.0, 0.0];
+        assert_eq!(worst(&with, &without, &falls(&with)), None);
+        // So few independent readings are no evidence.
+        let with = [10.0, 400.0, 90.0, 0.0];
+        assert_eq!(
+            worst(&with, &without, &falls(&with).iter().map(|fall| fall / 60.0).collect::<Vec<_>>()),
+            None
+        );
+    }
 }

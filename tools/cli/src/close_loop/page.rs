@@ -201,7 +201,8 @@ fn effects(outcome: &Outcome, declaration: &Declaration) -> Markup {
             p { (support(effect)) }
             @if !effect.alternatives.is_empty() {
                 @let names: Vec<String> = effect.alternatives.iter().map(|a| plain(a)).collect();
-                p { "The data are explained equally well by " (list(&names, "or by")) "." }
+                @let weights: Vec<String> = effect.class().map(|(id, weight)| format!("{} {weight:.2}", plain(id))).collect();
+                p { "The data are explained equally well by " (list(&names, "or by")) ". Posterior weights: " (list(&weights, "and")) "." }
             }
             @if let Some(run) = &effect.separating_experiment { p { "Experiment that distinguishes them: " (run) "." } }
         }
@@ -317,15 +318,6 @@ fn residuals(experiment: &Experiment, outcome: &Outcome) -> Markup {
     }
 }
 
-/// Probability of a candidate among those of its round and the model without any, as far as BIC approximates the marginal likelihood
-/// (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795).
-fn probability(of: &Evidence, outcome: &Outcome) -> f64 {
-    let round = outcome.candidate_table.iter().filter(|e| e.round == of.round).map(|e| e.delta_bic_whitened);
-    let most = round.clone().fold(0.0, f64::max);
-    let weight = |delta: f64| (0.5 * (delta - most)).exp();
-    weight(of.delta_bic_whitened) / (weight(0.0) + round.map(weight).sum::<f64>())
-}
-
 fn candidates(outcome: &Outcome) -> Markup {
     let mut ranked: Vec<&Evidence> = outcome.candidate_table.iter().collect();
     ranked.sort_by(|a, b| a.round.cmp(&b.round).then(b.delta_bic_whitened.total_cmp(&a.delta_bic_whitened)));
@@ -336,7 +328,7 @@ fn candidates(outcome: &Outcome) -> Markup {
             plain(e.port.name()).into(),
             Cell::number(e.delta_bic),
             Cell::number(e.delta_bic_whitened),
-            Cell::number(probability(e, outcome)),
+            Cell::number(e.probability),
             Cell::maybe(e.validation_ratio),
             if e.accepted { "accepted" } else { "rejected" }.into(),
             plain(&e.reason).into(),

@@ -25,6 +25,7 @@ fn found(id: &str) -> Found {
         port: Port::DragTorque,
         follows: Follows::Driver(Driver::Speed),
         alternatives: vec!["viscous_friction".to_owned()],
+        weights: vec![0.75, 0.25],
         runs: vec!["run-1.csv".to_owned()],
         everywhere: false,
         parameters: vec![estimate("k", 9.5e-5, 4e-6, 0.0, "N.m.s^0.5")],
@@ -62,6 +63,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         Verdict::Unexplained => vec![Found {
             term: Some(term()),
             alternatives: Vec::new(),
+            weights: vec![1.0],
             separating_experiment: None,
             everywhere: true,
             parameters: vec![estimate("exponent", 0.75, 0.03, 0.0, "1")],
@@ -82,6 +84,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         port: Port::DragTorque,
         delta_bic: 120.0,
         delta_bic_whitened: 80.0,
+        probability: if accepted { 0.8 } else { 0.2 },
         validation_ratio: accepted.then_some(0.41),
         accepted,
         reason: reason.to_owned(),

@@ -27,6 +27,7 @@ fn the_report_is_that_of_the_contract() {
         ("port", json!("drag_torque")),
         ("driver", json!("speed")),
         ("alternatives", json!(["viscous_friction"])),
+        ("weights", json!({"iron_loss": 0.75, "viscous_friction": 0.25})),
         ("runs", json!(["run-1.csv"])),
     ] {
         assert_eq!(effect[key], value, "{key}");
