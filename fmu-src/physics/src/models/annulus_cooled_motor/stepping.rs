@@ -9,7 +9,6 @@ use super::equations::{ALL, NODES, PLAIN, PLAIN_ALONE, PLAIN_STILL, Step, Therma
 use super::motor::AnnulusCooledMotor;
 use super::network::{CouplingIntegrals, Network};
 use super::parameters::Parameters;
-use super::variables::Inputs;
 use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;
@@ -60,7 +59,7 @@ impl AnnulusCooledMotor {
             self.advance_two_nodes::<ALL>(time, h)?;
         }
         // The following is evaluated at the end of the step, where the inputs have their final values.
-        self.slopes = Inputs::zero();
+        self.clear_slopes();
         self.follow_sensor(before, h);
         if let Some(sources) = lagging {
             self.follow_lags(&sources, h);
