@@ -75,7 +75,7 @@ impl AnnulusCooledMotor {
         step.excess = excess;
         let before = self.own.state;
         let next = &mut self.own.state;
-        if let Err(step_failure) = self.own.split.advance(&step, &before, next, h) {
+        if let Err(step_failure) = self.own.split.advance(&step, next, h) {
             *next = before;
             return Err(self.step_failure(time, step_failure.t, step_failure.h).into());
         }
@@ -184,8 +184,8 @@ impl AnnulusCooledMotor {
         }
 
         step.couple(coupling(network, fan_conductance, ambient, Some(&rates)));
-        let mut next = State::default();
-        if let Err(step_failure) = split.advance(&step, &state, &mut next, h) {
+        let mut next = state;
+        if let Err(step_failure) = split.advance(&step, &mut next, h) {
             return Err(self.step_failure(time, step_failure.t, step_failure.h).into());
         }
         let integrals = next.integrals;
