@@ -247,11 +247,17 @@ impl AnnulusCooledMotor {
 
     /// Temperature of the conducting phases above the mean winding temperature at the midpoint of the next `h` seconds, K. With
     /// this value over the whole step, the resistance is of second order in the step.
+    #[inline]
     fn mean_excess(&self, h: f64) -> f64 {
-        let commutation = self.parameters.choices.commutation;
-        if commutation == Commutation::EquivalentDc {
-            return 0.0;
+        match self.parameters.choices.commutation {
+            Commutation::EquivalentDc => 0.0,
+            commutation => self.mean_excess_of_phases(commutation, h),
         }
+    }
+
+    /// The same with three phases.
+    #[inline(never)]
+    fn mean_excess_of_phases(&self, commutation: Commutation, h: f64) -> f64 {
         let load = self.equations().phase_load(0.0, &self.own.state);
         let (a, way) = (
             self.electrical_angle(&self.own.state),
@@ -276,7 +282,8 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Updates the coefficients of the network to the present inputs.
+    /// Updates the coefficients of the network to the present inputs. Not inlined in steps without a network.
+    #[inline(never)]
     pub(super) fn bring_network_to_inputs(&mut self) {
         let ambient = self.ambient(self.time).start;
         let Some(network) = &mut self.own.network else { return };
