@@ -110,6 +110,23 @@ impl Instance {
             }
             return Ok(());
         }
+        self.get_each(references, of, n, put)?;
+        if plain {
+            self.read.store(self.model.declaration(), references);
+        }
+        Ok(())
+    }
+
+    /// The same with all checks.
+    #[inline(never)]
+    fn get_each(
+        &mut self,
+        references: &[u32],
+        of: Type,
+        n: usize,
+        mut put: impl FnMut(usize, f64),
+    ) -> Outcome {
+        let running = matches!(self.mode, Mode::Step | Mode::Continuous);
         let mut place = 0;
         for &value_reference in references {
             if value_reference == TIME && of == Type::Real {
@@ -139,9 +156,6 @@ impl Instance {
         }
         if place != n {
             return Err(wrong_number(references.len(), place, n));
-        }
-        if plain {
-            self.read.store(self.model.declaration(), references);
         }
         Ok(())
     }
@@ -201,6 +215,16 @@ impl Instance {
             self.unsettled = true;
             return Ok(());
         }
+        self.set_each(references, of, n, value)?;
+        if plain {
+            self.written.store(self.model.declaration(), references);
+        }
+        Ok(())
+    }
+
+    /// The same with all checks. Not inlined, so that a step that sets its inputs again needs few registers and little stack.
+    #[inline(never)]
+    fn set_each(&mut self, references: &[u32], of: Type, n: usize, value: impl Fn(usize) -> f64) -> Outcome {
         // In step mode the check per variable is needed only for structural parameters, and with event mode for all parameters (FMI 3.0.2
         // section 2.4.7.4).
         let special = self.mode != Mode::Step || of == Type::Size || self.part.event_mode;
@@ -240,9 +264,6 @@ impl Instance {
             }
         }
         self.unsettled = true;
-        if plain {
-            self.written.store(self.model.declaration(), references);
-        }
         Ok(())
     }
 

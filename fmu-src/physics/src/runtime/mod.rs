@@ -31,6 +31,8 @@ pub struct Runtime<M: Equations<N>, const N: usize> {
     pub inputs: M::Inputs,
     /// Derivatives of the inputs over the next step, per second.
     pub(crate) slopes: M::Inputs,
+    /// Whether any of them was set to a value other than zero.
+    is_sloping: bool,
     pub(crate) time: f64,
     /// State between communication points.
     pub(crate) own: M,
@@ -65,6 +67,7 @@ impl<M: Equations<N>, const N: usize> Default for Runtime<M, N> {
             parameters,
             inputs: M::Inputs::default(),
             slopes: M::Inputs::zero(),
+            is_sloping: false,
             time: 0.0,
             pre: None,
             followed: Followed::default(),
@@ -99,7 +102,19 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
     /// Whether an input has a nonzero derivative.
     #[inline]
     pub(crate) fn is_sloping(&self) -> bool {
-        self.slopes != M::Inputs::zero()
+        self.is_sloping
+    }
+
+    fn put_slopes(&mut self, slopes: M::Inputs) {
+        (self.slopes, self.is_sloping) = (slopes, slopes != M::Inputs::zero());
+    }
+
+    /// Makes the inputs constant over the next step.
+    #[inline]
+    pub(crate) fn clear_slopes(&mut self) {
+        if self.is_sloping {
+            (self.slopes, self.is_sloping) = (M::Inputs::zero(), false);
+        }
     }
 
     /// Invalidates the cache after a change of a state, an input or a parameter.
@@ -153,15 +168,20 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
     fn step_over_events(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let end = time + h;
         let event = M::next_division(self, time);
-        if event >= end - IMMINENT {
-            M::advance(self, time, h)?;
-            self.slopes = M::Inputs::zero();
-            return Ok(());
+        if event < end - IMMINENT {
+            return self.step_over_event(time, event, end);
         }
-        // Both parts of the step, before and after the event, or neither.
+        M::advance(self, time, h)?;
+        self.clear_slopes();
+        Ok(())
+    }
+
+    /// Both parts of a step, before and after the event, or neither. Not inlined, because the copy of the model needs much stack.
+    #[inline(never)]
+    fn step_over_event(&mut self, time: f64, event: f64, end: f64) -> Result<(), Halt> {
         let (before, slopes) = (self.clone(), self.slopes);
         let outcome = M::advance(self, time, event - time).and_then(|()| {
-            self.slopes = slopes;
+            self.put_slopes(slopes);
             M::pass_event(self, &before, time, event);
             self.step_over_events(event, end - event)
         });
@@ -184,10 +204,11 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
         // A failed step changes nothing.
         let slopes = self.slopes;
         let at = approach(self, (time, h), halt, |run, at, h| {
-            run.slopes = slopes;
+            run.put_slopes(slopes);
             run.step_over_events(at, h)
         })?;
-        (self.ended, self.slopes) = (true, M::Inputs::zero());
+        self.clear_slopes();
+        self.ended = true;
         Err(Fault(M::termination_reason(self, at)))
     }
 }

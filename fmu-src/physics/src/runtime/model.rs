@@ -30,7 +30,9 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
             };
             taken.then_some(())?;
         }
-        copy.slopes.take_values(&mut next)?;
+        let mut slopes = copy.slopes;
+        slopes.take_values(&mut next)?;
+        copy.put_slopes(slopes);
         copy.time.load(&mut next)?;
         copy.pre.load(&mut next)?;
         copy.own.load(&mut next)?;
@@ -116,6 +118,7 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
     fn set_slope(&mut self, slot: Slot, slope: f64) {
         debug_assert_eq!(slot.group as usize, INPUTS);
         self.slopes.set(slot.row as usize, slope);
+        self.is_sloping |= slope != 0.0;
         self.has_outputs = false;
         self.has_balance = false;
     }

@@ -225,26 +225,22 @@ impl<const N: usize> Split<N> {
         self.scale = factor;
     }
 
-    /// Advances from `state` by `h` seconds to `next`, in as many steps as the error control needs; on failure the integrator is
-    /// unchanged and `next` is undefined.
+    /// Advances `state` by `h` seconds, in as many steps as the error control needs; on failure the integrator is unchanged and
+    /// `state` is undefined.
     pub fn advance<const E: usize>(
         &mut self,
         system: &impl System<N>,
-        state: &State<N, E>,
-        next: &mut State<N, E>,
+        state: &mut State<N, E>,
         h: f64,
     ) -> Result<(), StepFailure> {
         let (mut done, mut trial, mut try_h) = (0.0, self.trial.min(h), h);
-        let (mut backup, mut reached) = (None, None);
+        let mut backup = None;
+        state.integrals = StepIntegrals::default();
         for _ in 0..MOST_STEPS {
             let rest = h - done;
             try_h = if trial >= rest * WHOLE { rest } else { trial.min(0.5 * rest) };
-            let from = reached.as_ref().unwrap_or(state);
-            let error = self.step(system, from, (done, try_h), next, &mut backup);
+            let error = self.step(system, state, (done, try_h), 1.0, &mut backup);
             if error <= 1.0 {
-                if done > 0.0 {
-                    next.integrals += from.integrals;
-                }
                 // Third-order error: the next step size follows from the cube root of the error.
                 let whole = try_h == h;
                 trial = if whole { f64::INFINITY } else { try_h * (0.8 / error.cbrt()).clamp(0.3, 4.0) };
@@ -253,7 +249,6 @@ impl<const N: usize> Split<N> {
                     return Ok(());
                 }
                 done += try_h;
-                reached = Some(*next);
             } else if try_h > LEAST_SHARE * h {
                 self.rejected += 1;
                 trial = try_h * if error.is_finite() { (0.8 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 };
@@ -276,7 +271,7 @@ impl<const N: usize> Split<N> {
         h: f64,
     ) -> State<N, E> {
         let mut next = *state;
-        self.step(system, state, (0.0, h), &mut next, &mut None);
+        self.step(system, &mut next, (0.0, h), f64::INFINITY, &mut None);
         next
     }
 
@@ -291,12 +286,9 @@ impl<const N: usize> Split<N> {
         let (a, m) = (system.fast_matrix(t, x, temperature), system.network_matrix(t, temperature));
         let stale = self.stale();
         let fast = self.fast.step() == h && fresh(self.fast.matrix(), &a, h, stale);
-        let thermal = self.thermal.step() == h
-            && if S::IS_NETWORK_LINEAR {
-                *self.thermal.matrix() == m
-            } else {
-                fresh(self.thermal.matrix(), &m, h, stale)
-            };
+        // The remainder of a linear network is exact only with its own matrix.
+        let stale = if S::IS_NETWORK_LINEAR { 0.0 } else { stale };
+        let thermal = self.thermal.step() == h && fresh(self.thermal.matrix(), &m, h, stale);
         if !(fast && thermal) {
             backup.get_or_insert((
                 *self.fast.matrix(),
@@ -314,15 +306,16 @@ impl<const N: usize> Split<N> {
         }
     }
 
-    /// One step of length `h` from `t` to the state `next`: its error in units of the tolerance. Like [`iterate`](Self::iterate) not
-    /// inlined: the loop around it hardly ever repeats, but the compiler would keep in memory all that is constant in it.
+    /// One step of length `h` from `t`: its error in units of the tolerance; an error above `most` leaves the state unchanged. Like
+    /// [`iterate`](Self::iterate) not inlined: the loop around it hardly ever repeats, but the compiler would keep in memory all that is
+    /// constant in it.
     #[inline(never)]
     fn step<const E: usize>(
         &mut self,
         system: &impl System<N>,
-        state: &State<N, E>,
+        state: &mut State<N, E>,
         (t, h): (f64, f64),
-        next: &mut State<N, E>,
+        most: f64,
         backup: &mut Option<Frozen<N>>,
     ) -> f64 {
         self.renew(system, (t, h), (&state.x, &state.temperature), backup);
@@ -330,7 +323,7 @@ impl<const N: usize> Split<N> {
         let mut left = ROUNDS;
         loop {
             left -= 1;
-            match self.iterate(system, state, (t, h), guess, left > 0, next) {
+            match self.iterate(system, state, (t, h), (guess, left > 0), most) {
                 Ok(error) => return error,
                 Err(better) => guess = Some(better),
             }
@@ -343,11 +336,10 @@ impl<const N: usize> Split<N> {
     fn iterate<const E: usize>(
         &self,
         system: &impl System<N>,
-        state: &State<N, E>,
+        state: &mut State<N, E>,
         (t, h): (f64, f64),
-        guess: Option<[SVector<f64, N>; 2]>,
-        continues: bool,
-        next: &mut State<N, E>,
+        (guess, continues): (Option<[SVector<f64, N>; 2]>, bool),
+        most: f64,
     ) -> Result<f64, [SVector<f64, N>; 2]> {
         let (x0, temp0) = (state.x, state.temperature);
         let (fast, thermal) = (&self.fast, &self.thermal);
@@ -437,16 +429,18 @@ impl<const N: usize> Split<N> {
         let over_time = thermal.integral(&temp0, &rate0, &warming);
         let outflow = share.dot(&over_time) + h / 6.0 * (outflow0 + 4.0 * outflowm + outflow1);
         let gained = [work.electrical, work.mechanical, outflow + work.ambient];
-        let mut energy = state.energy;
-        for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(&work.losses)) {
-            *sum += gain;
-        }
-        let integrals = StepIntegrals { temperature: over_time, aside: work.aside, outflow };
         let angle = state.angle + segment.integral[1];
-        *next = State { x: x1, angle, temperature: end, energy, integrals };
-        let finite = next.x.sum() + next.temperature.sum() + next.angle;
-        let sane = finite.is_finite() && largest(&next.temperature) < ABSURD && !error.is_nan();
-        Ok(if sane { error } else { f64::INFINITY })
+        let finite = x1.sum() + end.sum() + angle;
+        let sane = finite.is_finite() && largest(&end) < ABSURD && !error.is_nan();
+        let error = if sane { error } else { f64::INFINITY };
+        if error <= most {
+            (state.x, state.angle, state.temperature) = (x1, angle, end);
+            for (sum, gain) in state.energy.iter_mut().zip(gained.iter().chain(&work.losses)) {
+                *sum += gain;
+            }
+            state.integrals += StepIntegrals { temperature: over_time, aside: work.aside, outflow };
+        }
+        Ok(error)
     }
 }
 
@@ -461,5 +455,6 @@ fn largest<const N: usize>(values: &SVector<f64, N>) -> f64 {
 #[inline]
 fn fresh<const N: usize>(frozen: &SMatrix<f64, N, N>, now: &SMatrix<f64, N, N>, h: f64, stale: f64) -> bool {
     let slack = stale / h;
-    frozen.iter().zip(now.iter()).all(|(f, n)| (f - n).abs() <= stale * f.abs() + slack)
+    // Without branches, two elements at a time.
+    frozen.iter().zip(now.iter()).fold(true, |all, (f, n)| all & ((f - n).abs() <= stale * f.abs() + slack))
 }

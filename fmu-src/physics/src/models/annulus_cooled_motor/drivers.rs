@@ -41,13 +41,20 @@ impl AnnulusCooledMotor {
         }
     }
 
+    #[inline]
     fn follow_capacity(&mut self) {
         if let Some(factor) = self.capacity_change(&self.parameters) {
-            let before = self.own.constants;
-            self.own.capacity_factor = factor;
-            self.follow_parameters();
-            self.own.stored_at_start -= self.heat_gain(&before);
+            self.change_capacity(factor);
         }
+    }
+
+    /// Not inlined, because hardly any step changes the heat capacities.
+    #[inline(never)]
+    fn change_capacity(&mut self, factor: f64) {
+        let before = self.own.constants;
+        self.own.capacity_factor = factor;
+        self.follow_parameters();
+        self.own.stored_at_start -= self.heat_gain(&before);
     }
 
     /// The factor on the heat capacities with these parameters, if it has changed.

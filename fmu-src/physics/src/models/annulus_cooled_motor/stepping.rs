@@ -9,7 +9,6 @@ use super::equations::{ALL, NODES, PLAIN, PLAIN_ALONE, PLAIN_STILL, Step, Therma
 use super::motor::AnnulusCooledMotor;
 use super::network::{CouplingIntegrals, Network};
 use super::parameters::Parameters;
-use super::variables::Inputs;
 use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;
@@ -60,7 +59,7 @@ impl AnnulusCooledMotor {
             self.advance_two_nodes::<ALL>(time, h)?;
         }
         // The following is evaluated at the end of the step, where the inputs have their final values.
-        self.slopes = Inputs::zero();
+        self.clear_slopes();
         self.follow_sensor(before, h);
         if let Some(sources) = lagging {
             self.follow_lags(&sources, h);
@@ -76,7 +75,7 @@ impl AnnulusCooledMotor {
         step.excess = excess;
         let before = self.own.state;
         let next = &mut self.own.state;
-        if let Err(step_failure) = self.own.split.advance(&step, &before, next, h) {
+        if let Err(step_failure) = self.own.split.advance(&step, next, h) {
             *next = before;
             return Err(self.step_failure(time, step_failure.t, step_failure.h).into());
         }
@@ -185,8 +184,8 @@ impl AnnulusCooledMotor {
         }
 
         step.couple(coupling(network, fan_conductance, ambient, Some(&rates)));
-        let mut next = State::default();
-        if let Err(step_failure) = split.advance(&step, &state, &mut next, h) {
+        let mut next = state;
+        if let Err(step_failure) = split.advance(&step, &mut next, h) {
             return Err(self.step_failure(time, step_failure.t, step_failure.h).into());
         }
         let integrals = next.integrals;
@@ -248,11 +247,17 @@ impl AnnulusCooledMotor {
 
     /// Temperature of the conducting phases above the mean winding temperature at the midpoint of the next `h` seconds, K. With
     /// this value over the whole step, the resistance is of second order in the step.
+    #[inline]
     fn mean_excess(&self, h: f64) -> f64 {
-        let commutation = self.parameters.choices.commutation;
-        if commutation == Commutation::EquivalentDc {
-            return 0.0;
+        match self.parameters.choices.commutation {
+            Commutation::EquivalentDc => 0.0,
+            commutation => self.mean_excess_of_phases(commutation, h),
         }
+    }
+
+    /// The same with three phases.
+    #[inline(never)]
+    fn mean_excess_of_phases(&self, commutation: Commutation, h: f64) -> f64 {
         let load = self.equations().phase_load(0.0, &self.own.state);
         let (a, way) = (
             self.electrical_angle(&self.own.state),
@@ -277,7 +282,8 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Updates the coefficients of the network to the present inputs.
+    /// Updates the coefficients of the network to the present inputs. Not inlined in steps without a network.
+    #[inline(never)]
     pub(super) fn bring_network_to_inputs(&mut self) {
         let ambient = self.ambient(self.time).start;
         let Some(network) = &mut self.own.network else { return };

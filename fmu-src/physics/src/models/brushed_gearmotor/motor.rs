@@ -141,7 +141,7 @@ impl Equations<STATES> for Gearmotor {
         let Gearmotor { constants, state, split, .. } = own;
         let before = *state;
         let step = Step::new(parameters, constants, inputs, slopes, time);
-        if let Err(step_failure) = split.advance(&step, &before, state, h) {
+        if let Err(step_failure) = split.advance(&step, state, h) {
             *state = before;
             let fault = format!(
                 "The gearmotor's equations have no solution {:.3e} s after {} s with at most {MOST_STEPS} steps, the last of {:.1e} s \
