@@ -130,6 +130,7 @@ pub fn set_aside(
         let own = |run: usize| off(output, output, run);
         let own: Vec<Vec<f64>> = (0..experiment.runs.len()).map(own).collect();
         let gone = if is_sure { departures::of(experiment, output, &own) } else { Vec::new() };
+        let usual = median(own.iter().flatten().map(|off| off.abs()).filter(|off| off.is_finite()));
         for (run, own) in pairs.into_iter().enumerate() {
             if own.rows.len() < ENOUGH {
                 continue;
@@ -168,6 +169,13 @@ pub fn set_aside(
             if failed.is_none() && is_sure && is_fitted {
                 let gone: Vec<bool> = own.rows.iter().map(|row| gone[run].contains(row)).collect();
                 failed = Some((gone, departures::WHY)).filter(|(gone, _)| gone.contains(&true));
+            }
+            if failed.is_none() && is_sure && is_fitted {
+                // A sure fit predicts a rise that is small beside that of other runs.
+                let fit = Judge { own: &of_fit, moves: CERTAIN * usual / PART, doubt: &|_| 0.0, ..judge };
+                let mut still = vec![false; column.len()];
+                fit.unmoved().into_iter().for_each(|k| still[k] = true);
+                failed = Some((still, DEAD)).filter(|(still, _)| still.contains(&true));
             }
             let Some((bad, why)) = failed else { continue };
             let proven = judge.repeated().into_iter().chain(judge.jumped()).filter(|k| bad[*k]).collect();
