@@ -292,20 +292,18 @@ where
     let square = states.value() * states.value();
     let of = |from: &[f64]| OMatrix::from_column_slice_generic(states, states, from);
     let mut all: Vec<f64> = Vec::with_capacity(3 * slopes.len());
-    let mut last: Option<(OMatrix<f64, D, D>, f64, [OMatrix<f64, D, D>; 3])> = None;
+    let (mut three, mut last) = (Vec::new(), None::<(OMatrix<f64, D, D>, f64)>);
     for (row, ends) in time.windows(2).enumerate() {
         let h = ends[1] - ends[0];
         let (from, to) = slopes[row * square..(row + 2) * square].split_at(square);
         let mean = (of(from) + of(to)) * 0.5;
         // The matrices are reused while F and h are unchanged.
-        let serves = last.as_ref().is_some_and(|(matrix, step, _)| *step == h && close(matrix, &mean));
-        if !serves {
-            let three = pass(&mean, h);
-            last = Some((mean, h, three));
+        if !last.as_ref().is_some_and(|(matrix, step)| *step == h && close(matrix, &mean)) {
+            three.clear();
+            pass(&mean, h).iter().for_each(|matrix| three.extend(matrix.transpose().iter()));
+            last = Some((mean, h));
         }
-        if let Some((.., three)) = &last {
-            three.iter().for_each(|matrix| all.extend(matrix.transpose().iter()));
-        }
+        all.extend(&three);
     }
     all
 }
