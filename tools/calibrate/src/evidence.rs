@@ -15,19 +15,23 @@
 //! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 2.7 and 5.4; Kennedy, O'Hagan, J. R. Stat. Soc. B
 //! 63 (2001) 425-464 (structure error).
 
+mod drift;
 mod gains;
 mod memory;
 mod prior;
 #[cfg(test)]
 mod tests;
 
+use crate::algebra::{cholesky, product, solve_lower};
 use crate::levels::NEGLIGIBLE;
 use crate::selection::NEAR;
+use drift::Drift;
 use gains::Seen;
 pub use memory::{Memory, Series};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 pub use prior::Prior;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Drifts that are compared: ratio of its standard deviation to that of the noise, and correlation time, s. Tuned: thermocouples drift
 /// by up to their noise within an hour.
@@ -39,8 +43,6 @@ const APART: f64 = 3.0;
 const ABSENT: f64 = 1e30;
 /// Largest number of estimates of the noise. Numerical: each changes what drift and structure error leave, the second by a few percent.
 const REPETITIONS: usize = 3;
-/// Relative variance added to the diagonal of a drift's covariance. Numerical: keeps it positive definite.
-const JITTER: f64 = 1e-6;
 /// Part of a column orthogonal to the null model that is rounding, relative to its square. Numerical: 1e4 terms, condition 1e3.
 const ROUNDING: f64 = 1e-9;
 /// Prior sizes of a free shape that are compared: ratio of its variance to the mean estimation variance of the shape. Numerical:
@@ -51,8 +53,8 @@ const SIZES: [f64; 5] = [1.0, 3e1, 1e3, 3e4, 1e6];
 #[derive(Clone)]
 pub struct Evidence {
     prior: Prior,
-    /// Time and sensor of each drift column.
-    knots: Vec<(f64, usize)>,
+    /// Drift of the sensors.
+    drift: Arc<Drift>,
     /// Outputs and runs of the values.
     series: Vec<Series>,
     /// Compared covariances of the noise; the first is white noise of the stated size.
@@ -88,6 +90,11 @@ impl Noise {
         self.memory.as_ref().map_or_else(|| s.clone(), |memory| memory.whitened(series, s))
     }
 
+    /// Residual after the estimate of c.
+    fn left(&self, c: &DVector<f64>) -> DVector<f64> {
+        &self.r - &self.z * c
+    }
+
     /// The state with the lowest cost.
     fn fitting(&self) -> &State {
         self.states.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap_or(&self.states[0])
@@ -98,12 +105,10 @@ impl Noise {
 struct State {
     /// Cholesky factor of Z'Z + L.
     factor: Cholesky<f64, Dyn>,
-    /// Residual after the estimate of c: r - Z (Z'Z + L)^-1 (Z'r + L c0).
-    left: DVector<f64>,
+    /// The estimate of c: (Z'Z + L)^-1 (Z'r + L c0).
+    c: DVector<f64>,
     /// Eq. (2).
     cost: f64,
-    /// Z'r + L c0.
-    rhs: DVector<f64>,
     /// Drift: ratio of its standard deviation to that of the noise, and correlation time, s.
     drift: (f64, f64),
     /// Size of the structure error, in units of the noise.
@@ -140,7 +145,8 @@ impl Evidence {
         knots: &[(f64, usize)],
         series: Vec<Series>,
     ) -> Option<Evidence> {
-        let mut evidence = Evidence { prior, knots: knots.to_vec(), series, noises: Vec::new() };
+        let mut evidence =
+            Evidence { prior, drift: Arc::new(Drift::new(knots)?), series, noises: Vec::new() };
         let mut white = Noise::white(r, beside(slopes, drift), &DMatrix::zeros(0, 0));
         let ztr = white.z.tr_mul(&white.r);
         let states = evidence.drifts().iter().map(|drift| evidence.state(&white, &ztr, *drift, 0.0));
@@ -151,15 +157,15 @@ impl Evidence {
 
     /// Drifts that are compared.
     fn drifts(&self) -> &'static [(f64, f64)] {
-        if self.knots.is_empty() { &DRIFTS[..1] } else { &DRIFTS[..] }
+        if self.drift.count == 0 { &DRIFTS[..1] } else { &DRIFTS[..] }
     }
 
     /// The null model extended by structure error with the directions `columns` for a size of 1.
     pub fn with_structure(&self, columns: &DMatrix<f64>) -> Option<Evidence> {
         let own = &self.noises[0];
         let mut white = Noise::white(own.r.clone(), beside(&own.z, columns), &own.ztz);
-        let (prior, knots, series) = (self.prior.clone(), self.knots.clone(), self.series.clone());
-        let mut other = Evidence { prior, knots, series, noises: Vec::new() };
+        let (prior, series) = (self.prior.clone(), self.series.clone());
+        let mut other = Evidence { prior, drift: Arc::clone(&self.drift), series, noises: Vec::new() };
         let ztr = white.z.tr_mul(&white.r);
         let plain = own.states.iter().map(|s| other.state(&white, &ztr, s.drift, 0.0));
         let plain = plain.collect::<Option<Vec<_>>>()?;
@@ -216,7 +222,7 @@ impl Evidence {
     pub fn add_memory(&mut self) -> Option<()> {
         let white = &self.noises[0];
         let best = white.fitting();
-        let (mut left, mut used) = (best.left.clone(), self.used(best)?);
+        let (mut left, mut used) = (white.left(&best.c), self.used(best)?);
         let mut hyper = (best.drift, best.size);
         let mut found: Option<Noise> = None;
         for _ in 0..REPETITIONS {
@@ -243,8 +249,7 @@ impl Evidence {
             if found.as_ref().is_some_and(|known| known.fitting().cost <= best.cost) {
                 break;
             }
-            let c = best.factor.solve(&best.rhs);
-            (left, used, hyper) = (&white.r - &white.z * c, self.used(best)?, (best.drift, best.size));
+            (left, used, hyper) = (white.left(&best.c), self.used(best)?, (best.drift, best.size));
             found = Some(noise);
         }
         self.noises.extend(found);
@@ -282,33 +287,27 @@ impl Evidence {
         let whole = &noise.ztz + &l;
         let coefficients = noise.z.ncols() - p;
         let inner = whole.view((p, p), (coefficients, coefficients)).into_owned();
-        let determinant = noise.determinant + prior_determinant + log_determinant(&inner.cholesky()?);
-        let factor = whole.cholesky()?;
+        let determinant = noise.determinant + prior_determinant + log_determinant(&cholesky(inner)?);
+        let factor = cholesky(whole)?;
         let c = factor.solve(&rhs);
-        let left = &noise.r - &noise.z * &c;
         let cost = noise.r.norm_squared() + self.prior.cost - rhs.dot(&c) + determinant;
-        Some(State { factor, left, cost, rhs, drift, size })
+        Some(State { factor, c, cost, drift, size })
     }
 
     /// L for given drift and size of the structure error, for `all` columns, and minus the log determinant of the part of drift and
     /// structure error.
-    fn precision(&self, all: usize, (sd, length): (f64, f64), size: f64) -> Option<(DMatrix<f64>, f64)> {
-        let (p, d) = (self.prior.count(), self.knots.len());
+    fn precision(&self, all: usize, drift: (f64, f64), size: f64) -> Option<(DMatrix<f64>, f64)> {
+        let (p, d) = (self.prior.count(), self.drift.count);
         let mut l = DMatrix::zeros(all, all);
         l.view_mut((0, 0), (p, p)).copy_from(&self.prior.precision);
         let mut determinant = 0.0;
-        if sd > 0.0 {
-            let kernel = DMatrix::from_fn(d, d, |a, b| {
-                let ((t, s), (u, v)) = (self.knots[a], self.knots[b]);
-                let near = if s == v { (-(t - u).abs() / length).exp() } else { 0.0 };
-                sd * sd * near + if a == b { JITTER * sd * sd } else { 0.0 }
-            });
-            let factor = kernel.cholesky()?;
-            determinant += log_determinant(&factor);
-            l.view_mut((p, p), (d, d)).copy_from(&factor.inverse());
+        if drift.0 > 0.0 {
+            let (inverse, own) = self.drift.precision(drift)?;
+            l.view_mut((p, p), (d, d)).copy_from(&inverse);
+            determinant += own;
         }
         for k in p..all {
-            if if k < p + d { sd == 0.0 } else { size == 0.0 } {
+            if if k < p + d { drift.0 == 0.0 } else { size == 0.0 } {
                 l[(k, k)] = ABSENT;
                 determinant -= ABSENT.ln();
             } else if k >= p + d {
@@ -321,7 +320,7 @@ impl Evidence {
 
     /// Number of coefficients that the data determine in a state: gamma of `evidence/memory.rs`.
     fn used(&self, state: &State) -> Option<f64> {
-        let all = state.rhs.len();
+        let all = state.c.len();
         let (l, _) = self.precision(all, state.drift, state.size)?;
         Some(all as f64 - state.factor.solve(&l).trace())
     }
@@ -366,13 +365,17 @@ impl Evidence {
     /// Mean square of the residual with the best drift, after further columns if given; 1 for noise.
     pub fn misfit(&self, beside: Option<(&DMatrix<f64>, &Gain)>) -> f64 {
         let left = match beside {
-            None => self.fitting().left.norm_squared(),
+            None => {
+                let (noise, state) = self.best_state();
+                let noise = &self.noises[noise];
+                noise.left(&noise.states[state].c).norm_squared()
+            }
             Some((s, gain)) => {
                 let (noise, state) =
                     (&self.noises[gain.state.0], &self.noises[gain.state.0].states[gain.state.1]);
                 let s = noise.whitened(&self.series, s);
                 let lent = state.factor.solve(&noise.z.tr_mul(&s));
-                (&state.left - (s - &noise.z * lent) * &gain.size).norm_squared()
+                (noise.left(&state.c) - (s - &noise.z * lent) * &gain.size).norm_squared()
             }
         };
         left / self.noises[0].r.len() as f64
@@ -394,7 +397,7 @@ impl Evidence {
         let place = beside.map_or_else(|| self.best_state(), |(_, gain)| gain.state);
         let noise = &self.noises[place.0];
         let best = &noise.states[place.1];
-        let mut c = best.factor.solve(&best.rhs);
+        let mut c = best.c.clone();
         let mut covariance = best.factor.inverse();
         if let Some((s, gain)) = beside {
             let lent = best.factor.solve(&noise.z.tr_mul(&noise.whitened(&self.series, s)));
@@ -444,8 +447,8 @@ impl Evidence {
         let mut raw = 0.0;
         for (n, (noise, own)) in self.noises.iter().zip(products).enumerate() {
             for (k, state) in noise.states.iter().enumerate() {
-                let seen_too = state.factor.l_dirty().solve_lower_triangular(&own.zts)?;
-                let power = &own.sts - seen_too.tr_mul(&seen_too);
+                let seen_too = solve_lower(&state.factor, own.zts.clone());
+                let power = &own.sts - product(&seen_too, &seen_too);
                 let seen = own.left.column(k).into_owned();
                 let Some((gain, size, factor)) = explain(&own.sts, &power, &seen) else { continue };
                 if (n, k) == (0, 0) {
@@ -484,12 +487,8 @@ fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
 /// Z'Z; `known` are its first rows and columns.
 fn squares(z: &DMatrix<f64>, known: &DMatrix<f64>) -> DMatrix<f64> {
     let mut all = known.clone().resize(z.ncols(), z.ncols(), 0.0);
-    for a in known.ncols()..z.ncols() {
-        for b in 0..=a {
-            all[(a, b)] = z.column(a).dot(&z.column(b));
-            all[(b, a)] = all[(a, b)];
-        }
-    }
+    all.columns_range_mut(known.ncols()..).copy_from(&product(z, &z.columns_range(known.ncols()..)));
+    all.fill_lower_triangle_with_upper_triangle();
     all
 }
 

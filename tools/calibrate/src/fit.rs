@@ -368,49 +368,42 @@ struct Fit<'a> {
     scales: Vec<Scale>,
 }
 
-/// Sensitivities of each run: for each parameter, rows times outputs; `None` if zero.
-type Columns = Vec<Vec<Option<Vec<f64>>>>;
-
-impl Fit<'_> {
-    /// Calls `tell` for every reading with its sensitivities to the variables and its residual, both in units of the noise.
-    fn each(&self, fitted: &Fitted, columns: &Columns, mut tell: impl FnMut(usize, &[f64], f64)) {
-        let numbers = fitted.hypothesis.numbers();
-        let units: Vec<f64> = self.scales.iter().zip(&numbers).map(|(s, p)| s.unit * s.slope(*p)).collect();
-        let mut slopes = vec![0.0; self.scales.len()];
-        for (r, run) in self.runs.iter().enumerate() {
-            self.setup.each(*run, &fitted.shown[r], |row, output, off| {
-                let (place, sigma) = (row * self.setup.outputs() + output, self.setup.sigma(output));
-                for ((slope, column), unit) in slopes.iter_mut().zip(&columns[r]).zip(&units) {
-                    *slope = column.as_ref().map_or(0.0, |c| c[place] * unit / sigma);
-                }
-                tell(output, &slopes, -off / sigma);
-            });
-        }
-    }
-}
+/// Sensitivities to the scaled parameters of the readings of each output, in units of the noise: a column for each reading.
+type Columns = Vec<DMatrix<f64>>;
 
 impl Fit<'_> {
     /// The sensitivities of a fitted hypothesis.
     fn columns(&self, fitted: &Fitted) -> Result<Columns, CalibrateError> {
         let slopes = Slopes::new(self.setup, &fitted.hypothesis, self.runs, &[])?;
-        let of_run =
-            |r: usize| (0..slopes.count()).map(|k| slopes.answer(&fitted.hypothesis, r, k)).collect();
-        Ok((0..self.runs.len()).into_par_iter().map(of_run).collect())
+        let of_run = |r: usize| -> Vec<Option<Vec<f64>>> {
+            (0..slopes.count()).map(|k| slopes.answer(&fitted.hypothesis, r, k)).collect()
+        };
+        let answers: Vec<Vec<Option<Vec<f64>>>> = (0..self.runs.len()).into_par_iter().map(of_run).collect();
+        let (m, p) = (self.setup.outputs(), self.scales.len());
+        let mut all = vec![Vec::new(); m];
+        for ((run, shown), answers) in self.runs.iter().zip(&fitted.shown).zip(&answers) {
+            self.setup.each(*run, shown, |row, output, _| {
+                let sigma = self.setup.sigma(output);
+                let of = |(answer, scale): (&Option<Vec<f64>>, &Scale)| {
+                    answer.as_ref().map_or(0.0, |values| values[row * m + output] * scale.unit / sigma)
+                };
+                all[output].extend(answers.iter().zip(&self.scales).map(of));
+            });
+        }
+        Ok(all.into_iter().map(|own| DMatrix::from_vec(p, own.len() / p.max(1), own)).collect())
+    }
+
+    /// Derivatives of the scaled parameters with respect to the variables.
+    fn slopes(&self, fitted: &Fitted) -> DVector<f64> {
+        let numbers = fitted.hypothesis.numbers();
+        DVector::from_iterator(numbers.len(), self.scales.iter().zip(&numbers).map(|(s, p)| s.slope(*p)))
     }
 
     /// Fisher information of each output about the variables.
     fn informations(&self, fitted: &Fitted, columns: &Columns) -> Vec<DMatrix<f64>> {
-        let p = self.scales.len();
-        let mut all = vec![DMatrix::<f64>::zeros(p, p); self.setup.outputs()];
-        self.each(fitted, columns, |output, slopes, _| {
-            for a in 0..p {
-                for b in 0..=a {
-                    all[output][(a, b)] += slopes[a] * slopes[b];
-                }
-            }
-        });
-        all.iter_mut().for_each(DMatrix::fill_upper_triangle_with_lower_triangle);
-        all
+        let slopes = self.slopes(fitted);
+        let scales = &slopes * slopes.transpose();
+        columns.iter().map(|own| (own * own.transpose()).component_mul(&scales)).collect()
     }
 }
 
@@ -450,10 +443,16 @@ impl Problem for Fit<'_> {
     }
 
     fn gradient(&self, x: &DVector<f64>, fitted: &Fitted, slopes: &Self::Slopes) -> DVector<f64> {
+        let mut residuals = vec![Vec::new(); self.setup.outputs()];
+        for (run, shown) in self.runs.iter().zip(&fitted.shown) {
+            self.setup
+                .each(*run, shown, |_, output, off| residuals[output].push(-off / self.setup.sigma(output)));
+        }
         let mut gradient = DVector::zeros(x.len());
-        self.each(fitted, &slopes.0, |_, slopes, residual| {
-            gradient.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope * residual);
-        });
+        for (own, residual) in slopes.0.iter().zip(residuals) {
+            gradient.gemv(1.0, own, &DVector::from_vec(residual), 1.0);
+        }
+        gradient.component_mul_assign(&self.slopes(fitted));
         for (k, (scale, number)) in self.scales.iter().zip(fitted.hypothesis.numbers()).enumerate() {
             let off = scale.prior.map_or(0.0, |prior| (number - prior) / scale.unit);
             gradient[k] += off * scale.slope(number);

@@ -25,6 +25,7 @@
 //! | `prediction` | prediction intervals |
 //! | `estimates`, [`outcome`], [`report`] | confidence intervals, errors and texts: as data, and as `report.json` |
 
+mod algebra;
 mod blackbox;
 pub mod catalogue;
 pub mod close_loop;

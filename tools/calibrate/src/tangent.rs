@@ -18,7 +18,8 @@ use crate::CalibrateError;
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
 use adapted::Adapted;
-use nalgebra::DMatrix;
+use nalgebra::allocator::Allocator;
+use nalgebra::{Const, DMatrix, DefaultAllocator, Dim, Dyn, OMatrix};
 use physics::model::{Model, Slot};
 use physics::terms::{Drivers, GenericTerm, Law, Port, Product};
 
@@ -31,6 +32,8 @@ const AT_PORT: (f64, f64) = (1e-3, 1e-4);
 /// Logarithm of the growth of a state within a row above which the linearization is meaningless. Derivation: all digits of a number, ln
 /// 2^52.
 const GROWN: f64 = 36.0;
+/// Power at which the Taylor series of phi2 of a matrix of norm 1 ends. Numerical: the next term is below the rounding of 1/2.
+const TERMS: usize = 16;
 
 /// Perturbed quantity.
 #[derive(Clone, Debug)]
@@ -128,7 +131,7 @@ impl Tangent {
         let mut shown = Vec::with_capacity(rows * m);
         let mut drivers = Vec::with_capacity(rows);
         let mut seen = Vec::with_capacity(rows * m * n);
-        let mut slopes: Vec<DMatrix<f64>> = Vec::with_capacity(rows);
+        let mut slopes: Vec<f64> = Vec::with_capacity(rows * n * n);
         let (mut at, mut rates) = (Vec::with_capacity(rows * n), Vec::with_capacity(rows * n));
         let mut states: Vec<f64> = Vec::with_capacity(n);
         let (mut here, mut there) = (Instant::default(), Instant::default());
@@ -143,7 +146,6 @@ impl Tangent {
             shown.extend(&here.outputs);
             at.extend(&states);
             rates.extend(&here.rates);
-            let mut by_state = DMatrix::zeros(n, n);
             seen.resize((row + 1) * m * n, 0.0);
             let seen_here = &mut seen[row * m * n..];
             for k in 0..n {
@@ -152,19 +154,20 @@ impl Tangent {
                 base.set_states(time, &states);
                 states[k] = from;
                 there.read(base.as_mut(), outputs);
-                for j in 0..n {
-                    by_state[(j, k)] = (there.rates[j] - here.rates[j]) / way;
-                }
+                slopes.extend(there.rates.iter().zip(&here.rates).map(|(there, here)| (there - here) / way));
                 for j in 0..m {
                     seen_here[j * n + k] = (there.outputs[j] - here.outputs[j]) / way;
                 }
             }
-            slopes.push(by_state);
             for probe in moved.iter_mut().flatten() {
                 probe.look(bench, drive, row, &states, &here);
             }
         })?;
-        let passes = passes(&drive.time, &slopes);
+        // Two nodes are the most common case; a constant size needs no memory for each matrix.
+        let passes = match n {
+            2 => passes(&drive.time, &slopes, Const::<2>),
+            n => passes(&drive.time, &slopes, Dyn(n)),
+        };
         let directions = moved.into_iter().map(|m| m.map(|m| m.direction)).collect();
         let mut tangent = Tangent {
             shown,
@@ -281,48 +284,69 @@ impl Tangent {
     }
 }
 
-/// Matrices of (2) for each interval, by rows.
-fn passes(time: &[f64], slopes: &[DMatrix<f64>]) -> Vec<f64> {
-    let n = slopes[0].nrows();
-    let mut all: Vec<f64> = Vec::with_capacity(slopes.len() * 3 * n * n);
-    let mut last: Option<(DMatrix<f64>, f64, [DMatrix<f64>; 3])> = None;
-    for (pair, ends) in slopes.windows(2).zip(time.windows(2)) {
+/// Matrices of (2) for each interval, by rows; `slopes` are the matrices F at the rows, by columns.
+fn passes<D: Dim>(time: &[f64], slopes: &[f64], states: D) -> Vec<f64>
+where
+    DefaultAllocator: Allocator<D, D>,
+{
+    let square = states.value() * states.value();
+    let of = |from: &[f64]| OMatrix::from_column_slice_generic(states, states, from);
+    let mut all: Vec<f64> = Vec::with_capacity(3 * slopes.len());
+    let (mut three, mut last) = (Vec::new(), None::<(OMatrix<f64, D, D>, f64)>);
+    for (row, ends) in time.windows(2).enumerate() {
         let h = ends[1] - ends[0];
-        let mean = (&pair[0] + &pair[1]) * 0.5;
+        let (from, to) = slopes[row * square..(row + 2) * square].split_at(square);
+        let mean = (of(from) + of(to)) * 0.5;
         // The matrices are reused while F and h are unchanged.
-        let serves = last.as_ref().is_some_and(|(matrix, step, _)| *step == h && close(matrix, &mean));
-        if !serves {
-            let three = pass(&mean, h);
-            last = Some((mean, h, three));
+        if !last.as_ref().is_some_and(|(matrix, step)| *step == h && close(matrix, &mean)) {
+            three.clear();
+            pass(&mean, h).iter().for_each(|matrix| three.extend(matrix.transpose().iter()));
+            last = Some((mean, h));
         }
-        if let Some((.., three)) = &last {
-            three.iter().for_each(|matrix| all.extend(matrix.transpose().iter()));
-        }
+        all.extend(&three);
     }
     all
 }
 
-fn close(a: &DMatrix<f64>, b: &DMatrix<f64>) -> bool {
+fn close<D: Dim>(a: &OMatrix<f64, D, D>, b: &OMatrix<f64, D, D>) -> bool
+where
+    DefaultAllocator: Allocator<D, D>,
+{
     a.iter().zip(b.iter()).all(|(a, b)| (a - b).abs() <= SAME * a.abs())
 }
 
-/// exp(F h), h (phi1 - phi2)(F h) and h phi2(F h), from one exponential of [[F, 1, 0], [0, 0, 1], [0, 0, 0]] h.
-fn pass(matrix: &DMatrix<f64>, h: f64) -> [DMatrix<f64>; 3] {
-    let n = matrix.nrows();
-    let mut block = DMatrix::zeros(3 * n, 3 * n);
-    block.view_mut((0, 0), (n, n)).copy_from(&(matrix * h));
-    for k in 0..n {
+/// exp(F h), h (phi1 - phi2)(F h) and h phi2(F h): Taylor series of phi2 at F h / 2^s, the others by phi_k(z) = z phi_(k+1)(z) + 1 / k!,
+/// then s doublings (Skaflestad, Wright, Applied Numerical Mathematics 59 (2009)).
+fn pass<D: Dim>(matrix: &OMatrix<f64, D, D>, h: f64) -> [OMatrix<f64, D, D>; 3]
+where
+    DefaultAllocator: Allocator<D, D>,
+{
+    let (states, _) = matrix.shape_generic();
+    let one = OMatrix::identity_generic(states, states);
+    let mut z = matrix * h;
+    for k in 0..states.value() {
         // A current with an unstable drop (negative resistance) settles as fast once the drop saturates.
-        if block[(k, k)] > GROWN {
-            block[(k, k)] = -block[(k, k)];
+        if z[(k, k)] > GROWN {
+            z[(k, k)] = -z[(k, k)];
         }
-        block[(k, n + k)] = 1.0;
-        block[(n + k, 2 * n + k)] = 1.0;
     }
-    let full = block.exp();
-    let part = |k: usize| full.view((0, k * n), (n, n)).into_owned();
-    let (keeps, phi1, phi2) = (part(0), part(1) * h, part(2) * h);
-    [keeps, &phi1 - &phi2, phi2]
+    let doublings = z.norm().max(1.0).log2().ceil() as i32;
+    z *= 0.5f64.powi(doublings);
+    // 1 / (TERMS + 2)!, and from there those of the lower powers.
+    let mut reciprocal: f64 = (1..=TERMS + 2).map(|k| 1.0 / k as f64).product();
+    let mut phi2 = &one * reciprocal;
+    for k in (0..TERMS).rev() {
+        reciprocal *= (k + 3) as f64;
+        phi2 = &z * phi2 + &one * reciprocal;
+    }
+    let mut phi1 = &z * &phi2 + &one;
+    let mut keeps = &z * &phi1 + &one;
+    for _ in 0..doublings {
+        phi2 = (&keeps * &phi2 + &phi1 + &phi2) * 0.25;
+        phi1 = (&keeps * &phi1 + &phi1) * 0.5;
+        keeps = &keeps * &keeps;
+    }
+    [keeps, (&phi1 - &phi2) * h, phi2 * h]
 }
 
 /// Second, perturbed model instance.

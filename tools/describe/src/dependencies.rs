@@ -4,7 +4,8 @@
 //! occurs in any of them is declared. The declared dependencies therefore follow the equations.
 //!
 //! The dependencies of a model without generic terms are determined at many points and stored ([`known`]); those that
-//! generic terms add are determined at fewer points.
+//! generic terms add are determined at fewer points and in fewer combinations: they follow from the driver of a term, which depends on
+//! drive and shaft, and from what its port acts on, which depends on the cooling.
 
 mod known;
 
@@ -82,21 +83,22 @@ impl Dependencies {
     pub fn of(kind: &ModelType, resources: &Resources, starts: &StartValues) -> Dependencies {
         let declaration = (kind.declaration)();
         let Some(known) = Dependencies::known(declaration, starts) else {
-            return Dependencies::found(kind, resources, starts, &POINTS);
+            return Dependencies::found(kind, resources, starts, (&POINTS, usize::MAX));
         };
         // Only numbers of elements among the start values change the set of variables.
         let counts = declaration.entries.iter().filter(|entry| declaration.is_dimension(entry));
         let usual = counts.into_iter().all(|entry| starts.of(entry) == entry.row.start);
         match (resources.is_empty(), usual) {
             (true, true) => known,
-            (false, true) => known.and(Dependencies::found(kind, resources, starts, &ONCE)),
-            (_, false) => known.and(Dependencies::found(kind, resources, starts, &POINTS)),
+            (false, true) => known.and(Dependencies::found(kind, resources, starts, (&ONCE, FEW))),
+            (_, false) => known.and(Dependencies::found(kind, resources, starts, (&POINTS, usize::MAX))),
         }
     }
 
     /// The dependencies of a model without terms, determined at all points.
     pub fn of_all(kind: &ModelType) -> Dependencies {
-        Dependencies::found(kind, &Resources::default(), &StartValues::default(), &[POINTS; TURNS].concat())
+        let points = [POINTS; TURNS].concat();
+        Dependencies::found(kind, &Resources::default(), &StartValues::default(), (&points, usize::MAX))
     }
 
     /// The union with other dependencies of the same unknowns.
@@ -109,12 +111,12 @@ impl Dependencies {
         }
     }
 
-    /// The dependencies at these points in every combination of the modes.
+    /// The dependencies at these points in at most so many combinations of the modes.
     fn found(
         kind: &ModelType,
         resources: &Resources,
         starts: &StartValues,
-        points: &[Point],
+        (points, most): (&[Point], usize),
     ) -> Dependencies {
         let declaration = (kind.declaration)();
         let of_kind = |which: &dyn Fn(&Entry) -> bool| -> Vec<usize> {
@@ -140,7 +142,7 @@ impl Dependencies {
         let nothing = |entry: &usize| Unknown { entry: *entry, on: Vec::new(), on_time: false };
         let none =
             || -> Both { (at_once.iter().map(nothing).collect(), at_start.iter().map(nothing).collect()) };
-        let combinations = combinations(declaration, &choices);
+        let combinations = combinations(declaration, &choices, most);
         let points = combinations.par_iter().enumerate().flat_map_iter(|(k, combination)| {
             let points = points.iter().enumerate();
             points.map(move |(turn, point)| (k, combination, *point, turn, Probe::new(k, turn)))
@@ -253,20 +255,26 @@ fn effects_of(declaration: &Declaration) -> Vec<&'static str> {
         .collect()
 }
 
-/// Largest number of combinations that are all evaluated.
+/// Largest number of combinations that are all evaluated; of those for generic terms.
 const FEW: usize = 64;
 
 /// Every combination of the items of the model's enumerations. If there are too many, the enumerations of effects, which do
-/// not interact, alternate: each of their items occurs in many combinations.
-fn combinations(declaration: &Declaration, choices: &[usize]) -> Vec<Vec<(usize, f64)>> {
+/// not interact, alternate: each of their items occurs in many combinations. So do the last of the others if there are more than `most`.
+fn combinations(declaration: &Declaration, choices: &[usize], most: usize) -> Vec<Vec<(usize, f64)>> {
     let entries = &declaration.entries;
     let items = |k: usize| match entries[k].row.kind {
         Kind::Enumeration(t) => t.items.iter().map(|i| (k, f64::from(i.value))).collect(),
         _ => Vec::new(),
     };
     let count: usize = choices.iter().map(|&k| items(k).len()).product();
-    let (whole, own): (Vec<usize>, Vec<usize>) =
+    let (whole, mut own): (Vec<usize>, Vec<usize>) =
         choices.iter().partition(|&&k| count <= FEW || !entries[k].name.starts_with("effect."));
+    let mut product = 1;
+    let (whole, further): (Vec<usize>, Vec<usize>) = whole.into_iter().partition(|&k| {
+        product *= items(k).len();
+        product <= most
+    });
+    own.extend(further);
     let mut all = whole.iter().fold(vec![Vec::new()], |all: Vec<Vec<(usize, f64)>>, &k| {
         let with = |one: &Vec<(usize, f64)>, item| [one.as_slice(), &[item]].concat();
         all.iter().flat_map(|one| items(k).into_iter().map(move |item| with(one, item))).collect()

@@ -1,6 +1,7 @@
 //! Gains of columns, and of many columns at once.
 
 use super::{Evidence, Gain, Noise, ROUNDING};
+use crate::algebra::product;
 use nalgebra::{DMatrix, DVector};
 
 /// Products of columns S with the null model, for one covariance of the noise.
@@ -16,8 +17,9 @@ pub(super) struct Seen {
 impl Seen {
     /// With whitened columns, and S'S.
     fn new(noise: &Noise, s: &DMatrix<f64>, sts: DMatrix<f64>) -> Seen {
-        let left: Vec<DVector<f64>> = noise.states.iter().map(|state| s.tr_mul(&state.left)).collect();
-        Seen { sts, zts: noise.z.tr_mul(s), left: DMatrix::from_columns(&left) }
+        let (zts, own) = (product(&noise.z, s), s.tr_mul(&noise.r));
+        let left: Vec<DVector<f64>> = noise.states.iter().map(|state| &own - zts.tr_mul(&state.c)).collect();
+        Seen { sts, zts, left: DMatrix::from_columns(&left) }
     }
 
     /// Those of one column alone; S'S has one row.
@@ -49,7 +51,7 @@ impl Evidence {
     pub(super) fn seen(&self, s: &DMatrix<f64>) -> Vec<Seen> {
         let of = |noise: &Noise| {
             let s = noise.whitened(&self.series, s);
-            let sts = s.tr_mul(&s);
+            let sts = product(&s, &s);
             Seen::new(noise, &s, sts)
         };
         self.noises.iter().map(of).collect()
