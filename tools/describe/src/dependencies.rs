@@ -90,7 +90,7 @@ impl Dependencies {
         let usual = counts.into_iter().all(|entry| starts.of(entry) == entry.row.start);
         match (resources.is_empty(), usual) {
             (true, true) => known,
-            (false, true) => known.and(Dependencies::found(kind, resources, starts, (&ONCE, FEW))),
+            (false, true) => known.and(Dependencies::found(kind, resources, starts, (&ONCE, OF_TERMS))),
             (_, false) => known.and(Dependencies::found(kind, resources, starts, (&POINTS, usize::MAX))),
         }
     }
@@ -255,8 +255,11 @@ fn effects_of(declaration: &Declaration) -> Vec<&'static str> {
         .collect()
 }
 
-/// Largest number of combinations that are all evaluated; of those for generic terms.
+/// Largest number of combinations that are all evaluated.
 const FEW: usize = 64;
+/// Largest number of combinations in which the dependencies that generic terms add are determined: those of cooling, drive, shaft and
+/// commutation of the motor.
+const OF_TERMS: usize = 144;
 
 /// Every combination of the items of the model's enumerations. If there are too many, the enumerations of effects, which do
 /// not interact, alternate: each of their items occurs in many combinations. So do the last of the others if there are more than `most`.
