@@ -125,8 +125,8 @@ pub fn set_aside(
         let ratio = if ratio.is_finite() { ratio.clamp(1.0 / FACTOR, FACTOR) } else { 1.0 };
         pairs.iter_mut().flat_map(|p| &mut p.model).for_each(|m| *m *= ratio);
         let moves = pairs.iter().map(|p| spread(&p.model)).fold(0.0, f64::max);
-        let is_predicted = is_sure[output] && !channel.is_temperature();
-        let is_sure = is_sure[output] && channel.is_temperature();
+        let is_predicted = is_sure[output];
+        let is_sure = is_predicted && channel.is_temperature();
         let own = |run: usize| off(output, output, run);
         let own: Vec<Vec<f64>> = (0..experiment.runs.len()).map(own).collect();
         let gone = if is_sure { departures::of(experiment, output, &own) } else { Vec::new() };
@@ -159,23 +159,20 @@ pub fn set_aside(
                     fit.moved().into_iter().for_each(|k| bad[k] = true);
                 }
             }
-            if is_predicted && is_fitted {
-                // What the other outputs determine is no matter of the priors.
-                let dead = Judge { own: &of_fit, moves, doubt: &|_| 0.0, ..judge }.unmoved();
-                let (bad, _) = failed.get_or_insert_with(|| (vec![false; column.len()], DEAD));
-                dead.into_iter().for_each(|k| bad[k] = true);
-            }
             failed = failed.filter(|(bad, _)| bad.contains(&true));
             if failed.is_none() && is_sure && is_fitted {
                 let gone: Vec<bool> = own.rows.iter().map(|row| gone[run].contains(row)).collect();
                 failed = Some((gone, departures::WHY)).filter(|(gone, _)| gone.contains(&true));
             }
-            if failed.is_none() && is_sure && is_fitted {
-                // A sure fit predicts a rise that is small beside that of other runs.
-                let fit = Judge { own: &of_fit, moves: CERTAIN * usual / PART, doubt: &|_| 0.0, ..judge };
-                let mut still = vec![false; column.len()];
-                fit.unmoved().into_iter().for_each(|k| still[k] = true);
-                failed = Some((still, DEAD)).filter(|(still, _)| still.contains(&true));
+            if is_predicted && is_fitted {
+                // What the other outputs determine is no matter of the priors, and a rise that is small beside that of other runs is
+                // known as well as the fit agrees.
+                let moves = if channel.is_temperature() { CERTAIN * usual / PART } else { moves };
+                let dead = Judge { own: &of_fit, moves, doubt: &|_| 0.0, ..judge }.unmoved();
+                if !dead.is_empty() {
+                    let (bad, _) = failed.get_or_insert_with(|| (vec![false; column.len()], DEAD));
+                    dead.into_iter().for_each(|k| bad[k] = true);
+                }
             }
             let Some((bad, why)) = failed else { continue };
             let proven = judge.repeated().into_iter().chain(judge.jumped()).filter(|k| bad[*k]).collect();

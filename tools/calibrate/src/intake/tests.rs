@@ -398,3 +398,33 @@ fn a_thermometer_that_comes_off_is_set_aside() {
     assert_eq!(unusable(&mut blown), None);
     assert_eq!(there(&blown, HOUSING), 1200, "{:?}", blown.notes);
 }
+
+/// A thermometer that lets go slowly in a run whose rise is small beside that of the other run.
+#[test]
+fn a_thermometer_that_lets_go_slowly_is_set_aside() {
+    let two = || {
+        let mut both = experiment(21);
+        let mut faint =
+            with_inputs(22, |columns| columns[CURRENT].iter_mut().for_each(|i| *i *= 0.3)).runs.remove(0);
+        faint.file = "faint.csv".to_string();
+        both.runs.push(faint);
+        both
+    };
+    let blank = |of: &Experiment, run: usize, k: usize| {
+        of.runs[run].table.columns[k].iter().filter(|x| x.is_nan()).count()
+    };
+    let mut good = two();
+    assert_eq!(unusable(&mut good), None);
+    assert_eq!([0, 1].map(|run| blank(&good, run, HOUSING)), [0, 0], "{:?}", good.notes);
+    for (k, tau) in [(WINDING, 240.0), (HOUSING, 240.0)] {
+        let mut off = two();
+        let (mut rng, from) = (rng(23), 300);
+        let column = &mut off.runs[1].table.columns[k];
+        let first = column[from];
+        for (n, x) in column.iter_mut().enumerate().skip(from) {
+            *x = 296.15 + (first - 296.15) * (-3.0 * (n - from) as f64 / tau).exp() + 0.1 * normal(&mut rng);
+        }
+        assert_eq!(unusable(&mut off), None);
+        assert!(blank(&off, 1, k) > 700 && blank(&off, 0, k) == 0, "{k}: {:?}", off.notes);
+    }
+}
