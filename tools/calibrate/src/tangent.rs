@@ -342,7 +342,7 @@ where
     let mut phi1 = &z * &phi2 + &one;
     let mut keeps = &z * &phi1 + &one;
     for _ in 0..doublings {
-        phi2 = (&keeps * &phi2 + &phi1 + &phi2) * 0.25;
+        phi2 = (&keeps * &phi2 + &phi1 + &phi2) * 0.5f64.powi(2);
         phi1 = (&keeps * &phi1 + &phi1) * 0.5;
         keeps = &keeps * &keeps;
     }
