@@ -19,7 +19,7 @@ use crate::levels::{DECISIVE, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::search::{Scored, best_memory_term, latent_input_at, search};
-use crate::selection::{Candidate, Round, acting};
+use crate::selection::{Candidate, Round, acting, shares};
 use crate::separate::separate;
 use crate::setup::Setup;
 use crate::undeclared::better_than_effects;
@@ -389,7 +389,7 @@ impl<'a> Search<'a> {
         let candidate = &round.candidates[taken];
         let addition = candidate.addition();
         let mut alternatives: Vec<String> = Vec::new();
-        let mut weights = vec![round.probability(candidate.delta.0)];
+        let mut deltas = vec![candidate.delta.0];
         let mut separating = None;
         for other in round.alike.iter().map(|k| &round.candidates[*k]) {
             let id = &other.addition().id;
@@ -397,7 +397,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             alternatives.push(id.clone());
-            weights.push(round.probability(other.delta.0));
+            deltas.push(other.delta.0);
             if separating.is_none() && !self.is_cut {
                 let names = [addition.id.as_str(), id.as_str()];
                 separating = separate(
@@ -408,14 +408,12 @@ impl<'a> Search<'a> {
                 );
             }
         }
-        let sum: f64 = weights.iter().sum();
-        weights.iter_mut().for_each(|weight| *weight /= sum);
         Ok(Found {
             id: addition.id.clone(),
             port: addition.port,
             follows: addition.follows,
             alternatives,
-            weights,
+            weights: deltas.iter().copied().map(shares(&deltas)).collect(),
             runs: files(setup, &addition.active),
             everywhere: addition.active.iter().all(|on| *on),
             parameters: Vec::new(),

@@ -131,16 +131,11 @@ impl<'a> Round<'a> {
         self
     }
 
-    /// Posterior probability of a model with this reduction of the cost, among the candidates of the round and the model without any, all
-    /// equally probable before: exp(-cost / 2) approximates the marginal likelihood.
-    ///
-    /// *Source*: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec. 4.1.3.
-    pub fn probability(&self, delta: f64) -> f64 {
-        let all =
-            || self.candidates.iter().map(|c| c.delta.0).chain(self.failed.iter().map(|(s, _)| s.evidence));
-        let most = all().fold(0.0, f64::max);
-        let weight = |delta: f64| (0.5 * (delta - most)).exp();
-        weight(delta) / (weight(0.0) + all().map(weight).sum::<f64>())
+    /// Posterior probability of a model with this reduction of the cost, among the candidates of the round and the model without any.
+    fn probability(&self, delta: f64) -> f64 {
+        let failed = self.failed.iter().map(|(scored, _)| scored.evidence);
+        let all = self.candidates.iter().map(|c| c.delta.0).chain(failed).chain([0.0]);
+        shares(&all.collect::<Vec<_>>())(delta)
     }
 
     /// Candidate table of the round for the report.
@@ -183,6 +178,17 @@ impl<'a> Round<'a> {
         });
         candidates.chain(failed).collect()
     }
+}
+
+/// Posterior probability of a model by its reduction of the cost, among models with these reductions that are equally probable before:
+/// exp(-cost / 2) approximates the marginal likelihood.
+///
+/// *Source*: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec. 4.1.3.
+pub fn shares(deltas: &[f64]) -> impl Fn(f64) -> f64 + use<> {
+    let most = deltas.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weight = move |delta: f64| (0.5 * (delta - most)).exp();
+    let sum: f64 = deltas.iter().map(|delta| weight(*delta)).sum();
+    move |delta| weight(delta) / sum
 }
 
 /// Fits and compares the best candidates scored at `point`, the model without any of them; their fits start at `start`. A candidate
@@ -384,6 +390,13 @@ mod tests {
         assert!((shares[0] - 4.0 / 7.0).abs() < 1e-12 && (shares[1] - 2.0 / 7.0).abs() < 1e-12, "{shares:?}");
         assert!((all.probability(0.0) + shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert!((round(&[5000.0]).probability(5000.0) - 1.0).abs() < 1e-12);
+    }
+
+    /// Among models that are all far less probable than another one, the shares still add up to 1.
+    #[test]
+    fn shares_are_those_of_the_models_given() {
+        let of = shares(&[-9000.0, -9000.0]);
+        assert_eq!((of(-9000.0), of(-9000.0)), (0.5, 0.5));
     }
 
     /// A candidate that could not be fitted is listed with the reason.
