@@ -1,6 +1,6 @@
 //! Terms that are data: effects found in measurements that the list of effects does not cover.
 //!
-//! y = c prod_i b_i^p_i,   b_i = (x_i - offset_i) / reference_i,   up to three drivers x_i      (1)
+//! y = c prod_i b_i^p_i,   b_i = (x_i - offset_i) / reference_i,   up to three drivers x_i, constant outside the range of x_i   (1)
 //! y = a table in one driver: linear between its points, constant outside                   (2)
 //! y = a grid over two drivers: bilinear between its points, constant outside its edges     (3)
 //! tau dz/dt = x - z                                                                        (4)
@@ -47,15 +47,33 @@ pub struct Factor {
     pub reference: f64,
     /// The exponent.
     pub exponent: f64,
+    /// Least and greatest value of the driver, or of its magnitude unless it [has sides](Driver::has_sides); beyond them the power is
+    /// constant.
+    pub range: (f64, f64),
 }
 
 impl Factor {
+    /// Range without limits.
+    pub const UNLIMITED: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
     /// The power at `x`.
     pub fn of<D: Number>(&self, x: D) -> D {
+        let (x, _) = self.held(x);
         let signed = (x - self.offset) / self.reference;
         let base = signed.abs();
         let power = self.power(base);
         if signed.re() < 0.0 && self.driver.has_sides() { -power } else { power }
+    }
+
+    /// `x`, or the end of the range that it is beyond; and whether it is beyond.
+    pub fn held<D: Number>(&self, x: D) -> (D, bool) {
+        let own = if self.driver.has_sides() { x.re() } else { x.re().abs() };
+        let end = own.max(self.range.0).min(self.range.1);
+        if end == own {
+            (x, false)
+        } else {
+            (D::from(if self.driver.has_sides() { end } else { end.copysign(x.re()) }), true)
+        }
     }
 
     fn power<D: Number>(&self, base: D) -> D {
@@ -229,6 +247,20 @@ impl Law {
         };
         all.into_iter().flatten()
     }
+
+    /// Least and greatest value of each driver between which the law is not constant; those of a [`Factor`] as there.
+    pub fn ranges(&self) -> impl Iterator<Item = (Driver, (f64, f64))> {
+        let ends = |points: &[f64]| (points[0], points[points.len() - 1]);
+        let all: [Option<(Driver, (f64, f64))>; MOST_DRIVERS] = match self {
+            Law::Product(product) => product.factors.map(|f| f.map(|f| (f.driver, f.range))),
+            Law::Table(table) => [Some((table.driver, ends(table.points().0))), None, None],
+            Law::Grid(grid) => {
+                let [rows, columns] = [0, 1].map(|k| Some((grid.drivers[k], ends(grid.points(k)))));
+                [rows, columns, None]
+            }
+        };
+        all.into_iter().flatten()
+    }
 }
 
 /// A term: port and law.
@@ -288,10 +320,13 @@ impl GenericTerm {
         self.lag.is_none_or(|lag| lag.driver != driver) && self.law.drivers().any(|d| d == driver)
     }
 
-    /// Whether the term is a table or a grid that is evaluated outside its points.
+    /// Whether a driver is outside the range of a power, or outside the points of a table or a grid; a lagged driver must already be in
+    /// `drivers`.
     pub fn is_held(&self, drivers: &Drivers) -> bool {
         match &self.law {
-            Law::Product(_) => false,
+            Law::Product(product) => {
+                product.factors.iter().flatten().any(|factor| factor.held(drivers.of(factor.driver)).1)
+            }
             Law::Table(table) => table.at(drivers.of(table.driver)).1,
             Law::Grid(grid) => grid.at(drivers.of(grid.drivers[0]), drivers.of(grid.drivers[1])).1,
         }
@@ -314,7 +349,7 @@ mod tests {
     use num_dual::Dual64;
 
     fn factor(driver: Driver, reference: f64, offset: f64, exponent: f64) -> Option<Factor> {
-        Some(Factor { driver, offset, reference, exponent })
+        Some(Factor { driver, offset, reference, exponent, range: Factor::UNLIMITED })
     }
 
     fn product(coefficient: f64, factors: [Option<Factor>; 3]) -> GenericTerm {
@@ -362,6 +397,27 @@ mod tests {
         let dual = line.along(&at, Some((Driver::AmbientTemperature, Dual64::from(290.0).derivative())));
         assert_eq!((dual.re, dual.eps), (-6.0, 2.0));
         assert_eq!(product(1.0, [factor(Driver::Speed, 1.0, 0.0, 1.0), None, None]).value(&at), 4.0);
+    }
+
+    /// A power keeps the value at the end of its range, without a derivative; the range of a speed is that of its magnitude.
+    #[test]
+    fn a_power_is_held_outside_its_range() {
+        let square = Factor { range: (0.0, 300.0), ..factor(Driver::Speed, 100.0, 0.0, 2.0).unwrap() };
+        let term = product(2.0, [Some(square), None, None]);
+        for (speed, value, held) in
+            [(-400.0, 18.0, true), (300.0, 18.0, false), (-200.0, 8.0, false), (0.0, 0.0, false)]
+        {
+            let at = Drivers { speed, ..AT };
+            assert_eq!((term.value(&at), term.is_held(&at)), (value, held), "{speed}");
+            let dual = term.along(&at, Some((Driver::Speed, Dual64::from(speed).derivative())));
+            assert_eq!(dual.eps, if held { 0.0 } else { 4.0 * speed / 1e4 }, "{speed}");
+        }
+        let line =
+            Factor { range: (280.0, 360.0), ..factor(Driver::HousingTemperature, 10.0, 300.0, 1.0).unwrap() };
+        for (housing_temperature, value) in [(250.0, -2.0), (290.0, -1.0), (350.0, 5.0), (400.0, 6.0)] {
+            let at = Drivers { housing_temperature, ..AT };
+            assert_eq!(product(1.0, [Some(line), None, None]).value(&at), value, "{housing_temperature}");
+        }
     }
 
     #[test]

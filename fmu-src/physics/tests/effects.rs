@@ -367,7 +367,7 @@ fn term(
     reference: f64,
     exponent: f64,
 ) -> GenericTerm {
-    let factor = Factor { driver, offset, reference, exponent };
+    let factor = Factor { driver, offset, reference, exponent, range: Factor::UNLIMITED };
     GenericTerm::new(port, Law::Product(Product { coefficient, factors: [Some(factor), None, None] }))
 }
 

@@ -38,7 +38,7 @@ fn cases() -> Vec<Effects> {
 /// A term that moves with temperature, current and speed, of a size that its port bears.
 fn moving_term(port: Port) -> GenericTerm {
     let factor = |driver: Driver, offset: f64, reference: f64| {
-        Some(Factor { driver, offset, reference, exponent: 0.7 })
+        Some(Factor { driver, offset, reference, exponent: 0.7, range: Factor::UNLIMITED })
     };
     let factors = [
         factor(Driver::HousingTemperature, 250.0, 50.0),

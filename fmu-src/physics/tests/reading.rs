@@ -132,7 +132,7 @@ fn reading_changes_no_bit_in_any_model_and_mode() {
 fn reading_changes_no_bit_with_effects_and_terms() {
     let fresh = AnnulusCooledMotor::default();
     let term = |port: Port, driver: Driver, coefficient: f64, offset: f64| {
-        let factor = Factor { driver, offset, reference: 50.0, exponent: 1.0 };
+        let factor = Factor { driver, offset, reference: 50.0, exponent: 1.0, range: Factor::UNLIMITED };
         GenericTerm::new(port, Law::Product(Product { coefficient, factors: [Some(factor), None, None] }))
     };
     for (seed, mode) in modes(&fresh).into_iter().enumerate() {

@@ -37,7 +37,7 @@ fn what_is_held_over_a_step_is_of_second_order() {
         (Port::HousingHeat, Driver::WindingTemperature, -5.0),
     ] {
         let (offset, reference) = if driver == Driver::Current { (0.0, 10.0) } else { (290.0, 30.0) };
-        let factor = Factor { driver, offset, reference, exponent: 2.0 };
+        let factor = Factor { driver, offset, reference, exponent: 2.0, range: Factor::UNLIMITED };
         let law = Law::Product(Product { coefficient: size, factors: [Some(factor), None, None] });
         let what = GenericTerm::new(port, law);
         let truth = end(what, 4096);
@@ -51,7 +51,7 @@ fn what_is_held_over_a_step_is_of_second_order() {
 
 /// A term whose driver is a first-order lag with this time constant, linear in it.
 fn lagging(port: Port, driver: Driver, (offset, size): (f64, f64), tau: f64) -> GenericTerm {
-    let factor = Factor { driver, offset, reference: 1.0, exponent: 1.0 };
+    let factor = Factor { driver, offset, reference: 1.0, exponent: 1.0, range: Factor::UNLIMITED };
     let law = Law::Product(Product { coefficient: size, factors: [Some(factor), None, None] });
     GenericTerm { lag: Some(Lag { driver, tau }), ..GenericTerm::new(port, law) }
 }

@@ -22,7 +22,7 @@
 //! `copper_loss` and `friction_loss` require a lag.
 //!
 //! Optional: the name (default: number of the term), the unit (that of the port), the drivers (none: a constant), the
-//! offset (0) and the exponent (1). `physics/src/effects/generic_term.rs` documents the action of a term at each port.
+//! offset (0), the exponent (1) and the range of the driver, beyond which the term is constant (`"range": [0.0, 300.0]`; default: none). `physics/src/effects/generic_term.rs` documents the action of a term at each port.
 //!
 //! The FMU reads the file when an instance is created; the tools check it before they write it into an archive. Both use
 //! this crate, so an FMU accepts the file of its own archive. The other file of the resources is in [`load`].
@@ -115,6 +115,9 @@ pub struct DriverText {
     /// Exponent.
     #[serde(default = "one")]
     pub exponent: f64,
+    /// Least and greatest value of the driver (magnitude of a speed, current or torque); the term is constant beyond them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
 }
 
 fn one() -> f64 {
@@ -224,6 +227,8 @@ impl TermText {
                         reference: factor.reference,
                         offset: factor.offset,
                         exponent: factor.exponent,
+                        range: (factor.range != Factor::UNLIMITED)
+                            .then_some([factor.range.0, factor.range.1]),
                     })
                     .collect(),
                 ..text
@@ -276,8 +281,17 @@ impl TermText {
             within("offset", text.offset, -GREATEST, GREATEST)?;
             within("exponent", text.exponent, -GREATEST_EXPONENT, GREATEST_EXPONENT)?;
             let driver = driver(&text.driver)?;
+            let range = match text.range {
+                None => Factor::UNLIMITED,
+                Some([least, most]) if least < most => (least, most),
+                Some([least, most]) => {
+                    return Err(format!(
+                        "range = [{least}, {most}] is not a least and a larger greatest value"
+                    ));
+                }
+            };
             let (reference, offset, exponent) = (text.reference, text.offset, text.exponent);
-            *place = Some(Factor { driver, offset, reference, exponent });
+            *place = Some(Factor { driver, offset, reference, exponent, range });
         }
         Ok(Product { coefficient, factors })
     }
@@ -420,6 +434,12 @@ mod tests {
         let again = TermsFile::parse(&TermsFile::new(texts).text(), "y.json").unwrap();
         assert_eq!(again.terms().unwrap(), terms);
         assert_eq!(again.terms[0].name, "seal");
+        let text = VALID.replace("0.5}", "0.5, \"range\": [0, 225]}");
+        let held = TermsFile::parse(&text, "x.json").unwrap().terms().unwrap();
+        let at = |speed: f64| held[0].value(&Drivers { speed, ..Drivers::default() });
+        assert!((at(-400.0) - 1.8e-3).abs() < 1e-12 && (at(100.0) - 1.2e-3).abs() < 1e-12);
+        let again = TermsFile::parse(&TermsFile::new(vec![TermText::of("", &held[0])]).text(), "y.json");
+        assert_eq!(again.unwrap().terms().unwrap(), held[..1]);
     }
 
     #[test]
@@ -444,6 +464,7 @@ mod tests {
             ("1.2e-3", "1e9", &["\"seal\"", "coefficient = 1000000000", "-1000000 ... 1000000"]),
             ("100.0", "0.0", &["\"seal\"", "reference = 0", "0.000000001 ... 1000000000"]),
             ("0.5}", "7}", &["\"seal\"", "exponent = 7", "-6 ... 6"]),
+            ("0.5}", "0.5, \"range\": [300, 100]}", &["\"seal\"", "range = [300, 100]", "larger"]),
             ("[300, 400]", "[400, 300]", &["term 2", "table.x[1] = 300", "table.x[0] = 400"]),
             ("[300, 400]", "[300]", &["term 2", "1 values of x and 2 of y"]),
             ("[0, 2]", "[0, 1e7]", &["term 2", "table.y[1] = 10000000"]),

@@ -61,6 +61,9 @@ pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> V
 
 /// A number rounded to three significant digits.
 pub fn digits(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_string();
+    }
     let places = (2.0 - x.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     if x.is_finite() { format!("{x:.places$}") } else { "no number".to_string() }
 }

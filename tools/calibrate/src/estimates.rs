@@ -1,6 +1,7 @@
 //! Final estimates: results of the identification loop in the form of a report.
 
 use crate::CalibrateError;
+use crate::beyond;
 use crate::blackbox::black_boxes;
 use crate::close_loop::Judgement;
 use crate::comparison;
@@ -12,6 +13,7 @@ use crate::linearization::Linearization;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Whiteness};
 use crate::prediction;
 use crate::report::{ROLES, column_words};
+use crate::selection::at_limit;
 use crate::setup::{Declared, Setup, Shown};
 use nalgebra::DMatrix;
 use physics::terms::Port;
@@ -46,8 +48,9 @@ pub fn outcome(
     let (mut estimates_of, covariance) = estimates(setup, point, None, Some(&mut corrected));
     let exact = setup.exact();
     // Without an added effect, the model remains the fit to the indicated values: estimated jointly with a disturbance that the model does not
-    // get, the parameters predict worse. A correction that increases the error is rejected.
-    if !hypothesis.additions.is_empty() && is_no_worse(&exact, &corrected, &hypothesis)? {
+    // get, the parameters predict worse. A correction that increases the error, or with a law at its limit, is rejected.
+    let is_possible = corrected.additions.iter().all(|a| at_limit(a).is_none());
+    if !hypothesis.additions.is_empty() && is_possible && is_no_worse(&exact, &corrected, &hypothesis)? {
         hypothesis = corrected;
     }
     if let Some((beside, port)) = &judged.beside {
@@ -133,6 +136,9 @@ pub fn outcome(
         }
         let (b, r, a) = (rmse(&before), rmse(&fitted), rmse(&after));
         let slopes = setup.input_sensitivities(&hypothesis, &runs)?;
+        if role != Role::Fit {
+            notes.extend(beyond::notes(setup, &hypothesis, role, &runs, &slopes));
+        }
         let (direct, whole) = setup.input_noise(&slopes);
         let variances: Vec<Vec<f64>> = (0..runs.len())
             .into_par_iter()

@@ -21,11 +21,13 @@
 //! | [`selection`] | stepwise selection: the best candidates are fitted, compared, and pass acceptance tests |
 //! | [`close_loop`] | the complete procedure and the verdict |
 //! | `blackbox`, `comparison` | black-box models of the same inputs, and where they predict better than the repaired model |
+//! | `beyond` | unfitted runs that leave the range of a law |
 //! | [`separate`] | run or reading that would distinguish two models |
 //! | `prediction` | prediction intervals |
 //! | `estimates`, [`outcome`], [`report`] | confidence intervals, errors and texts: as data, and as `report.json` |
 
 mod algebra;
+mod beyond;
 mod blackbox;
 pub mod catalogue;
 pub mod close_loop;

@@ -3,15 +3,13 @@
 //! The keys `name`, `verdict`, `seconds`, `effects`, `unexplained`, `parameters`, `error` and `fmu` are the contract;
 //! the other keys follow the rest of [`Outcome`]. A number that is not finite is null.
 
-mod law;
-
 use crate::experiment::Role;
 use crate::intake::Unusable;
 use crate::outcome::{self, ChannelError as Error, Estimate, Found, Outcome};
-use law::{LawText, law};
 use physics::terms::{Driver, Port};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
+use terms::TermText;
 
 /// The roles in the order of the report.
 pub const ROLES: [Role; 3] = [Role::Fit, Role::Validate, Role::Test];
@@ -169,7 +167,7 @@ struct Effect<'a> {
     everywhere: bool,
     parameters: InOrder<'a, Parameter>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    law: Option<LawText>,
+    law: Option<TermText>,
     magnitude: &'a str,
     separating_experiment: Option<&'a str>,
     evidence: Support,
@@ -394,7 +392,7 @@ fn effect(found: &Found) -> Effect<'_> {
         runs: &found.runs,
         everywhere: found.everywhere,
         parameters: parameters(&found.parameters),
-        law: found.term.as_ref().map(law),
+        law: found.term.as_ref().map(|term| TermText::of("", term)),
         magnitude: &found.magnitude,
         separating_experiment: found.separating_experiment.as_deref(),
         evidence: Support {

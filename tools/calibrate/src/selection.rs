@@ -333,7 +333,7 @@ fn fitted<'a>(
 }
 
 /// Sentence on a parameter of an addition that is at a limit.
-fn at_limit(addition: &Addition) -> Option<String> {
+pub fn at_limit(addition: &Addition) -> Option<String> {
     let stuck = addition.numbers.iter().find(|number| {
         let (least, most) = number.limits;
         (number.value <= least && least != 0.0) || number.value >= most

@@ -192,7 +192,7 @@ mod tests {
     use declare::Group;
 
     fn carrying(port: Port, coefficient: f64, driver: Driver, reference: f64, exponent: f64) -> GenericTerms {
-        let factor = Factor { driver, offset: 0.0, reference, exponent };
+        let factor = Factor { driver, offset: 0.0, reference, exponent, range: Factor::UNLIMITED };
         let law = Law::Product(Product { coefficient, factors: [Some(factor), None, None] });
         let mut terms = GenericTerms::default();
         assert!(terms.take_terms(&[GenericTerm::new(port, law)]));

@@ -97,7 +97,13 @@ fn a_point_without_data_has_the_value_of_its_prior() {
     use physics::terms::{Driver, Factor};
     let mut experiment = testing::experiment(PRIORS, true);
     let truth = preset(&experiment);
-    let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 300.0, exponent: 1.0 };
+    let factor = Factor {
+        driver: Driver::Speed,
+        offset: 0.0,
+        reference: 300.0,
+        exponent: 1.0,
+        range: Factor::UNLIMITED,
+    };
     let law = Law::Product(Product { coefficient: 1e-3, factors: [Some(factor), None, None] });
     testing::read(&mut experiment, &truth, Some(GenericTerm::new(Port::DragTorque, law)));
     let setup = Setup::new(&experiment, &[]).unwrap();

@@ -5,9 +5,7 @@
 //! fit by simulation then estimates all parameters, including the time constant.
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
-use super::laws::{
-    LEAST_REFERENCE, alike, coefficient, exponent, is_known, knots, number, scale, term, value,
-};
+use super::laws::{alike, coefficient, exponent, is_known, knots, number, scale, term, value};
 use super::{Scored, choice, scored};
 use crate::evidence::Gain;
 use crate::hypothesis::{Axis, Number, Shape, followed, hat, power};
@@ -40,10 +38,8 @@ impl Late {
     fn new(point: &Linearization, lag: Lag) -> Late {
         let tangents = point.slopes.tangents.iter();
         let reached: Vec<Vec<f64>> = tangents.map(|t| followed(&t.time, &t.drivers, lag)).collect();
-        let factor = scale(point, lag.driver);
-        let most =
-            reached.iter().flatten().map(|z| (z - factor.offset).abs()).fold(LEAST_REFERENCE, f64::max);
-        Late { lag, reached, factor: Factor { reference: most, ..factor } }
+        let factor = scale(lag.driver, reached.iter().flatten().copied());
+        Late { lag, reached, factor }
     }
 
     fn value(&self, r: usize, row: usize, exponent: f64) -> f64 {

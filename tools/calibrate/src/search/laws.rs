@@ -37,8 +37,7 @@ const TEMPERATURES: f64 = 20.0;
 const KNOT_APART: f64 = 0.02;
 /// Least reference value of a driver, in its unit. Numerical: avoids a division by zero.
 pub(super) const LEAST_REFERENCE: f64 = 1e-9;
-/// Limits of an exponent. Limit: losses and drops of motors grow with powers from 0.5 (brush drop) to 3 (windage); beyond these limits
-/// a power is a step.
+/// Limits of an exponent. Limit: beyond them a power is a step.
 const EXPONENT_LIMITS: (f64, f64) = (0.1, 5.0);
 /// Unit of an exponent in the fit. Numerical: scale of a variable.
 const EXPONENT_SCALE: f64 = 0.05;
@@ -109,15 +108,22 @@ pub(super) fn table(axes: Vec<Axis>, gain: &Gain) -> Shape {
     Shape::Table { axes, precision: precision / q }
 }
 
-/// Offset and reference value of a driver.
-pub(super) fn scale(point: &Linearization, driver: Driver) -> Factor {
+/// Offset, reference value and range of a driver with these values in the fit runs.
+pub(super) fn scale(driver: Driver, values: impl Iterator<Item = f64>) -> Factor {
     let offset = match driver {
         Driver::WindingTemperature | Driver::HousingTemperature => 298.15,
         Driver::AmbientTemperature => 293.15,
         _ => 0.0,
     };
-    let most = point.drivers().map(|d| (d.of(driver) - offset).abs()).fold(0.0, f64::max);
-    Factor { driver, offset, reference: most.max(LEAST_REFERENCE), exponent: 1.0 }
+    let has_sides = driver.has_sides();
+    // A magnitude below its least value is between this value and 0, where the power is 0.
+    let (least, most) =
+        values.fold((if has_sides { f64::INFINITY } else { 0.0 }, f64::NEG_INFINITY), |(a, b), x| {
+            let x = if has_sides { x } else { x.abs() };
+            (a.min(x), b.max(x))
+        });
+    let reference = (most - offset).abs().max((least - offset).abs()).max(LEAST_REFERENCE);
+    Factor { driver, offset, reference, exponent: 1.0, range: (least, most) }
 }
 
 /// Whether the driver is measured: a load that is imposed, a temperature of a node that has a sensor.
@@ -262,7 +268,7 @@ pub(super) fn of_two(
 /// Power law of a driver at a port.
 pub(super) fn powers(point: &Linearization, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
     knots(point, driver)?;
-    let factor = scale(point, driver);
+    let factor = scale(driver, point.drivers().map(|d| d.of(driver)));
     let value = |k: usize, d: &Drivers| power(&factor, d.of(driver), EXPONENTS[k]);
     let columns = point.port_columns(port, EXPONENTS.len(), |k, _, _, d| value(k, d))?;
     let gains = EXPONENTS.into_iter().zip(point.evidence.gains(&columns));

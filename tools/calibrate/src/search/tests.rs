@@ -77,8 +77,13 @@ fn found_of<T>(term: GenericTerm, see: impl Fn(&Linearization, Vec<Scored>) -> T
 /// Magnets that warm up with a lag behind the winding: the readings determine port, driver and time constant.
 #[test]
 fn a_hidden_state_is_found_with_its_time_constant() {
-    let factor =
-        Factor { driver: Driver::WindingTemperature, offset: 298.15, reference: 10.0, exponent: 1.0 };
+    let factor = Factor {
+        driver: Driver::WindingTemperature,
+        offset: 298.15,
+        reference: 10.0,
+        exponent: 1.0,
+        range: Factor::UNLIMITED,
+    };
     let law = Law::Product(Product { coefficient: -0.02, factors: [Some(factor), None, None] });
     let lag = Some(Lag { driver: Driver::WindingTemperature, tau: 250.0 });
     found_of(GenericTerm { port: Port::TorqueConstant, law, lag }, |point, scored| {
@@ -111,7 +116,9 @@ fn a_hidden_state_is_found_with_its_time_constant() {
 /// A product of two drivers, which a grid describes exactly: no function of one driver explains as much, and its fit leaves no residual.
 #[test]
 fn a_product_of_two_drivers_is_found() {
-    let factor = |driver, offset, reference, exponent| Some(Factor { driver, offset, reference, exponent });
+    let factor = |driver, offset, reference, exponent| {
+        Some(Factor { driver, offset, reference, exponent, range: Factor::UNLIMITED })
+    };
     let factors =
         [factor(Driver::Speed, 0.0, 300.0, 1.0), factor(Driver::WindingTemperature, 298.15, 10.0, 1.0), None];
     let law = Law::Product(Product { coefficient: 2e-4, factors });
@@ -136,7 +143,13 @@ fn a_product_of_two_drivers_is_found() {
 /// A law over time is scored so that it competes with other explanations; it cannot be added.
 #[test]
 fn a_law_over_time_is_not_added() {
-    let factor = Factor { driver: Driver::Time, offset: 0.0, reference: 1000.0, exponent: 1.0 };
+    let factor = Factor {
+        driver: Driver::Time,
+        offset: 0.0,
+        reference: 1000.0,
+        exponent: 1.0,
+        range: Factor::UNLIMITED,
+    };
     let law = Law::Product(Product { coefficient: 0.005, factors: [Some(factor), None, None] });
     found_of(GenericTerm::new(Port::DragTorque, law), |_, scored| {
         let over_time: Vec<&Scored> =

@@ -60,7 +60,13 @@ fn check_answers(start: &str, temperatures: &str) {
     assert!(base.iter().zip(&tangent.shown).all(|(a, b)| (a - b).abs() < 1e-9));
 
     let size = 1e-5;
-    let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 100.0, exponent: 0.5 };
+    let factor = Factor {
+        driver: Driver::Speed,
+        offset: 0.0,
+        reference: 100.0,
+        exponent: 0.5,
+        range: Factor::UNLIMITED,
+    };
     let law = Law::Product(Product { coefficient: size, factors: [Some(factor), None, None] });
     let dragged = Override { terms: vec![GenericTerm::new(Port::DragTorque, law)], ..Override::default() };
     let warmer = drive.with_input_moved(3, 0.01);

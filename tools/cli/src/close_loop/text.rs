@@ -3,7 +3,7 @@
 use calibrate::experiment::{Channel, Experiment, Role};
 use calibrate::outcome::{Follows, Found, Outcome, Verdict};
 use calibrate::report::{Replay, driver_unit};
-use describe::{Driver, GenericTerm, Lag, Law, ModelType, Port, Resources, StartValues, usage};
+use describe::{Driver, Factor, GenericTerm, Lag, Law, ModelType, Port, Resources, StartValues, usage};
 pub use present::number;
 
 /// The port of a term, as text.
@@ -93,7 +93,13 @@ fn present_law(term: &GenericTerm) -> String {
                 format!(" · ({off} / {})^{}", number(f.reference), number(f.exponent))
             });
             let size = with_unit(product.coefficient, term.port.unit().name());
-            format!("{} = {size}{}", plain(term.port.name()), factors.collect::<String>())
+            let ranged = product.factors.iter().flatten().filter(|f| f.range != Factor::UNLIMITED).map(|f| {
+                let (least, most) = f.range;
+                let most = with_unit(most, driver_unit(f.driver));
+                format!("; constant outside {} from {} to {most}", plain(f.driver.name()), number(least))
+            });
+            let law: String = factors.chain(ranged).collect();
+            format!("{} = {size}{law}", plain(term.port.name()))
         }
         Law::Table(table) => {
             let (x, y) = table.points();
