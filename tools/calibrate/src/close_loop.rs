@@ -316,7 +316,8 @@ impl<'a> Search<'a> {
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
         } else if effects.is_empty()
-            && let Some(rest) = self.left().iter().find(|s| !s.listed).filter(|s| s.sure() > DECISIVE)
+            && let Some(rest) = self.left().iter().filter(|s| !s.listed).find(|s| !judgement.refutes(s))
+            && rest.sure() > DECISIVE
         {
             judgement.verdict = Verdict::Unexplained;
             judgement.unexplained = Some(unexplained(rest, false));

@@ -1,8 +1,10 @@
 //! Result of a search, before the final estimates.
 
 use crate::hypothesis::Hypothesis;
+use crate::levels::DECISIVE;
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Found, Localised, Unexplained, Verdict};
+use crate::search::Scored;
 use physics::terms::Port;
 use std::time::Duration;
 
@@ -35,6 +37,13 @@ pub struct Judgement<'a> {
 pub(super) const BOXES: (Duration, f64) = (Duration::from_secs(60), 0.15);
 
 impl Judgement<'_> {
+    /// Whether the score of a candidate to first order is contradicted by its fit or by the validation runs.
+    pub(super) fn refutes(&self, scored: &Scored) -> bool {
+        let is_refuted =
+            |e: &Evidence| e.delta_bic.min(e.delta_bic_whitened) <= DECISIVE || e.validation_ratio.is_some();
+        self.candidate_table.iter().any(|e| e.name == scored.name && !e.accepted && is_refuted(e))
+    }
+
     /// A verdict on a model without additions.
     pub(super) fn of(verdict: Verdict, point: &Linearization) -> Self {
         Judgement {
