@@ -24,15 +24,15 @@ pub fn notes(
         for term in &terms {
             for (driver, range) in term.law.ranges() {
                 let values = values(term, driver, &tangent.time, &tangent.drivers);
-                let Some((reached, share)) = beyond(&values, range) else { continue };
+                let Some((reached, percent)) = beyond(&values, range) else { continue };
                 notes.push(format!(
-                    "{} ({}): {}{} reaches {} in {:.0} % of the run; the law on {} was found from {} to {} and is constant outside",
+                    "{} ({}): {}{} reaches {} in {} % of the run; the law on {} was found from {} to {} and is constant outside",
                     setup.experiment.runs[*run].file,
                     role_name(role),
                     driver.name().replace('_', " "),
                     if term.lag.is_some_and(|lag| lag.driver == driver) { ", with its lag," } else { "" },
                     shown(driver, reached),
-                    100.0 * share,
+                    percent,
                     term.port.name().replace('_', " "),
                     shown(driver, range.0),
                     shown(driver, range.1)
@@ -53,12 +53,12 @@ fn values(term: &GenericTerm, driver: Driver, time: &[f64], drivers: &[Drivers])
     if is_magnitude { all.iter().map(|x| x.abs()).collect() } else { all }
 }
 
-/// The value farthest outside a range, and the fraction of rows outside; `None` if none is outside by more than structure error.
-fn beyond(values: &[f64], (least, most): (f64, f64)) -> Option<(f64, f64)> {
+/// The value farthest outside a range, and the percentage of rows outside; `None` if none is outside by more than structure error.
+fn beyond(values: &[f64], (least, most): (f64, f64)) -> Option<(f64, usize)> {
     let excess = |x: f64| (least - x).max(x - most);
     let far = values.iter().copied().max_by(|a, b| excess(*a).total_cmp(&excess(*b)))?;
     let outside = values.iter().filter(|x| excess(**x) > 0.0).count();
-    (excess(far) > STRUCTURE * (most - least)).then(|| (far, outside as f64 / values.len() as f64))
+    (excess(far) > STRUCTURE * (most - least)).then(|| (far, 100 * outside / values.len()))
 }
 
 /// A value of a driver with its unit, temperatures in degC.
@@ -79,14 +79,14 @@ mod tests {
         Drivers { speed, ..Drivers::default() }
     }
 
-    /// 2 of 8 rows are outside; an excess within structure error is none.
+    /// 2 of 8 rows are outside, or 1; an excess within structure error is none.
     #[test]
     fn the_farthest_value_and_the_fraction_outside() {
         let values = [0.0, 2.0, 4.0, 5.8, 3.0, 3.9, -2.0, 1.0];
-        assert_eq!(beyond(&values, (0.0, 4.0)), Some((-2.0, 0.25)));
-        assert_eq!(beyond(&values, (-2.0, 4.0)), Some((5.8, 0.125)));
+        assert_eq!(beyond(&values, (0.0, 4.0)), Some((-2.0, 25)));
+        assert_eq!(beyond(&values, (-2.0, 4.0)), Some((5.8, 12)));
         assert_eq!(beyond(&values, (-2.0, 5.7)), None);
-        assert_eq!(beyond(&values, (-2.0, 5.0)), Some((5.8, 0.125)));
+        assert_eq!(beyond(&values, (-2.0, 5.0)), Some((5.8, 12)));
     }
 
     /// A power of a speed takes its magnitude, a table the speed itself, and a lag the lagged speed.

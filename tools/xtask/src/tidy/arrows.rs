@@ -17,7 +17,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("delimited", &[]),
     ("describe", &["physics", "units", "delimited"]),
     ("least-squares", &[]),
-    ("calibrate", &["physics", "least-squares", "units", "delimited"]),
+    ("calibrate", &["physics", "terms", "least-squares", "units", "delimited"]),
     ("present", &[]),
     ("cosim", &["present", "units", "delimited"]),
     ("archive", &["describe", "cosim", "terms", "present"]),
