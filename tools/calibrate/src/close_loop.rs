@@ -90,8 +90,10 @@ fn closed(
     begun: Instant,
     progress: &dyn Fn(f64, &str),
 ) -> Result<Outcome, CalibrateError> {
-    let setup = setup.clone();
+    let mut setup = setup.clone();
     let deadline = setup.deadline().clone();
+    // A preset that cannot be simulated says nothing about the noise.
+    let _ = setup.lower_noise(&setup.preset(), &setup.runs(Role::Fit));
     let plain = setup.refit(&setup.runs(Role::Fit));
     let other = match &plain {
         Ok(plain) if !deadline.is_near() => setup.between_runs(plain, &setup.runs(Role::Fit))?,

@@ -1,9 +1,16 @@
-//! Propagation of input noise to the outputs of a model, and inputs whose noise causes autocorrelated output noise.
+//! Propagation of input noise to the outputs of a model, inputs whose noise causes autocorrelated output noise, and loads that alternate
+//! from row to row.
+//!
+//! sigma_y <= sigma_r,   sigma_u <= sigma_r / |dy/du|                                                  (1)
+//!
+//! sigma_r is the noise of the residual of output y by eq. (2) of `noise.rs`, |dy/du| the rms response of y to an input in the same row. The
+//! model describes changes between rows that eq. (2) takes for noise in the readings themselves.
 
 use crate::CalibrateError;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::Hypothesis;
-use crate::levels::NEGLIGIBLE;
+use crate::levels::{NEARLY, NEGLIGIBLE};
+use crate::noise::{is_new_in_every_row, is_stated, least, of_columns};
 use crate::setup::Setup;
 use crate::tangent::Probe;
 use std::sync::Arc;
@@ -16,6 +23,7 @@ impl Setup<'_> {
     /// The model's error if it cannot be simulated.
     pub fn include_input_noise(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let left = self.lower_noise(&fitted.hypothesis, runs)?;
         let slopes = self.input_sensitivities(&fitted.hypothesis, runs)?;
         let slow = |input: &usize| {
             let (direct, whole) = self.variances(&slopes, |k| k == *input);
@@ -25,10 +33,81 @@ impl Setup<'_> {
         let (direct, _) = self.variances(&slopes, |_| true);
         self.remembered = remembered;
         self.reached = Arc::new(slopes.tangents.into_iter().flat_map(|t| t.drivers).collect());
-        for (own, direct) in self.noise[inputs..].iter_mut().zip(direct) {
-            *own = (*own * *own + direct).sqrt();
+        for (output, direct) in direct.into_iter().enumerate() {
+            self.noise[inputs + output] = self.sigma(output).hypot(direct.sqrt());
+            self.lower(output, left[output]);
         }
         Ok(())
+    }
+
+    /// Smooths the inputs by their noise, for simulations in the search.
+    pub fn smooth_inputs(&mut self) {
+        let noise = &self.noise[..self.experiment.inputs.len()];
+        self.smooth = Arc::new(self.drives.iter().map(|d| d.smoothed(noise)).collect());
+        self.driven = Arc::clone(&self.smooth);
+    }
+
+    /// Lowers the estimated noise of inputs and outputs by (1), and smooths the inputs by less then. Result: sigma_r of each output, infinite
+    /// where it is unknown.
+    ///
+    /// # Errors
+    /// The model's error if it cannot be simulated.
+    pub fn lower_noise(
+        &mut self,
+        hypothesis: &Hypothesis,
+        runs: &[usize],
+    ) -> Result<Vec<f64>, CalibrateError> {
+        let left = self.noise_left(hypothesis, runs)?;
+        if (0..self.outputs()).all(|output| left[output] >= NEARLY * self.sensor_noise(output)) {
+            return Ok(left);
+        }
+        let slopes = self.input_sensitivities(hypothesis, runs)?;
+        for (k, channel) in self.experiment.inputs.iter().enumerate() {
+            let (direct, _) = self.variances(&slopes, |input| input == k);
+            let most = left
+                .iter()
+                .zip(&direct)
+                .map(|(left, direct)| left / direct.sqrt())
+                .fold(f64::INFINITY, f64::min);
+            if most < NEARLY && !is_stated(self.experiment, channel) {
+                self.noise[k] = (most * self.noise[k]).max(least(self.experiment, k, channel));
+            }
+        }
+        for (output, left) in left.iter().enumerate() {
+            self.lower(output, *left);
+        }
+        self.smooth_inputs();
+        Ok(left)
+    }
+
+    /// Lowers the noise of an output to what is `left`, unless the experiment states it.
+    fn lower(&mut self, output: usize, left: f64) {
+        let (channel, n) = (self.experiment.outputs[output], self.experiment.inputs.len() + output);
+        if left < NEARLY * self.sensor_noise(output) && !is_stated(self.experiment, channel) {
+            let between = self.between.get(output).copied().unwrap_or(0.0);
+            self.noise[n] = between.hypot(left.max(least(self.experiment, n, channel)));
+        }
+    }
+
+    /// sigma_r of each output with the inputs as measured; infinite without readings, and where readings are held over several rows.
+    fn noise_left(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Vec<f64>, CalibrateError> {
+        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let all = self.exact().show(hypothesis, runs)?;
+        let mut columns: Vec<Vec<(&[f64], Vec<f64>)>> = vec![Vec::new(); m];
+        for (run, shown) in runs.iter().zip(&all) {
+            let table = &self.experiment.runs[*run].table;
+            let mut left = vec![vec![f64::NAN; table.time.len()]; m];
+            self.each(*run, shown, |row, output, off| left[output][row] = off);
+            for (output, column) in left.into_iter().enumerate() {
+                if is_new_in_every_row(&table.columns[inputs + output]) {
+                    columns[output].push((&table.time, column));
+                }
+            }
+        }
+        let of = |columns: Vec<(&[f64], Vec<f64>)>| {
+            of_columns(columns.iter().map(|(time, column)| (*time, column.as_slice()))).filter(|s| *s > 0.0)
+        };
+        Ok(columns.into_iter().map(|columns| of(columns).unwrap_or(f64::INFINITY)).collect())
     }
 
     /// Mean variance of each output due to white input noise over linearised runs
@@ -69,5 +148,56 @@ impl Setup<'_> {
         }
         let mean = |sums: Vec<f64>| sums.into_iter().map(|s| s / rows).collect();
         (mean(direct), mean(whole))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{self, normal, rng};
+
+    /// Deviations of the readings: current in A, then the outputs in SI units.
+    const TRUE: [f64; 5] = [0.01, 0.02, 1e-3, 0.05, 0.05];
+
+    /// Noise of current and outputs before and after [`Setup::lower_noise`], of a run with these currents.
+    fn noises(current: impl Fn(usize) -> f64, stated: &[&'static str]) -> [Vec<f64>; 2] {
+        let mut experiment = testing::experiment("\"thermal.C_h\" = 0.1", true);
+        experiment.noise.retain(|column, _| stated.contains(column));
+        let rows = experiment.runs[0].table.time.len();
+        experiment.runs[0].table.columns[0] = (0..rows).map(current).collect();
+        let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
+        testing::read(&mut experiment, &preset, None);
+        let (mut rng, inputs) = (rng(3), experiment.inputs.len());
+        for (column, sigma) in std::iter::once(0).chain(inputs..).zip(TRUE) {
+            experiment.runs[0].table.columns[column].iter_mut().for_each(|x| *x += sigma * normal(&mut rng));
+        }
+        let mut setup = Setup::new(&experiment, &[]).unwrap();
+        let of = |setup: &Setup| [&setup.noise[..1], &setup.noise[inputs..]].concat();
+        let before = of(&setup);
+        setup.lower_noise(&setup.preset(), &[0]).unwrap();
+        [before, of(&setup)]
+    }
+
+    /// A current that is another one in every row is taken for noise, also in voltage and torque, until the model describes it.
+    #[test]
+    fn a_load_that_alternates_from_row_to_row_is_no_noise() {
+        let [before, after] = noises(|row| 1.0 + (row * row % 7) as f64, &[]);
+        assert!(before[0] > 1.0 && before[1] > 0.3 && before[2] > 0.01, "{before:?}");
+        assert!(after[0] < 0.1, "{after:?}");
+        for (own, sigma) in after[1..].iter().zip(&TRUE[1..]) {
+            assert!((0.8..1.4).contains(&(own / sigma)), "{after:?}");
+        }
+    }
+
+    /// Noise on slow inputs stays as it was estimated, and a stated noise as it was stated.
+    #[test]
+    fn other_estimates_stay() {
+        let [before, after] = noises(|row| 3.0 + 2.0 * (row as f64 / 20.0).sin(), &[]);
+        assert_eq!(before, after);
+        let [before, after] = noises(|row| 1.0 + (row * row % 7) as f64, &["voltage_V"]);
+        assert!(
+            after[1] == before[1] && after[1] < 2e-3 && after[2] < before[2] / 5.0,
+            "{before:?} {after:?}"
+        );
     }
 }

@@ -7,13 +7,16 @@
 //! The median is insensitive to the few rows at which an input steps.
 //! quantised: q^2 / 12,   q the quantization step of a channel                                             (3)
 //!
+//! A load that alternates from row to row is no noise, but (2) cannot tell: `input_noise.rs` lowers the estimates to what the residual of the
+//! model has.
+//!
 //! *Assumes* white noise; for slowly drifting noise (2) gives 0, and [`LEAST`] is used instead. Quantization (3) by a converter or a
 //! display also gives 0 in (2) if it is coarser than the noise; if it is finer, (2) includes it. The greater of both is therefore used. A
 //! stated noise is that of the sensor alone; (3) is added to it.
 //! *Source*: Gasser, Sroka, Jennen-Steinmetz, Biometrika 73 (1986) 625-633; 1.4826 makes the median of a normal
 //! distribution its standard deviation. (3): Widrow, IRE Transactions on Circuit Theory 3 (1956) 266-276.
 
-use crate::experiment::Experiment;
+use crate::experiment::{Channel, Experiment};
 use crate::levels::{NEARLY, STRUCTURE};
 
 /// Lower limit of the noise, as a fraction of the channel's span. Numerical: accuracy of a simulation.
@@ -92,6 +95,13 @@ pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
     if (2..=LONGEST).contains(&usual) && regular { of_readings(&new).or(Some(0.0)) } else { Some(0.0) }
 }
 
+/// Whether nearly all readings of a column differ from the one before: neither held by a slower sensor nor coarsely quantised.
+pub fn is_new_in_every_row(column: &[f64]) -> bool {
+    let known: Vec<f64> = column.iter().copied().filter(|v| v.is_finite()).collect();
+    let new = known.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    new as f64 > NEARLY * known.len() as f64
+}
+
 /// Eq. (2).
 fn of_readings(known: &[(f64, f64)]) -> Option<f64> {
     let mut sizes: Vec<f64> = known
@@ -109,6 +119,28 @@ fn of_readings(known: &[(f64, f64)]) -> Option<f64> {
     Some(NORMAL * sizes[sizes.len() / 2])
 }
 
+/// Whether the experiment states the noise of a channel.
+pub fn is_stated(experiment: &Experiment, channel: &Channel) -> bool {
+    experiment.noise.get(channel.column).is_some_and(|told| *told > 0.0)
+}
+
+/// Quantization noise of the `n`-th channel, inputs first.
+fn quantised(experiment: &Experiment, n: usize, channel: &Channel) -> f64 {
+    let columns = experiment.runs.iter().map(|r| r.table.columns[n].as_slice());
+    step(columns, channel.is_temperature()).unwrap_or(0.0) / 12f64.sqrt()
+}
+
+/// Lower limit of the estimated noise of the `n`-th channel, inputs first: from quantization and the accuracy of a simulation.
+pub fn least(experiment: &Experiment, n: usize, channel: &Channel) -> f64 {
+    let values = || experiment.runs.iter().flat_map(|r| r.table.columns[n].iter().copied());
+    let (low, high) = values()
+        .filter(|v| v.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    let span = high - low;
+    let least = if span.is_finite() { (LEAST * span).max(ROUNDING) } else { 1.0 };
+    least.max(quantised(experiment, n, channel))
+}
+
 /// Standard deviations of all channels, inputs first, in SI units: as stated in the experiment, otherwise the median over its runs;
 /// including quantization.
 pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
@@ -116,20 +148,22 @@ pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
     channels
         .enumerate()
         .map(|(n, channel)| {
-            let tables = || experiment.runs.iter().map(|r| &r.table);
-            let columns = tables().map(|t| t.columns[n].as_slice());
-            let quantised = step(columns, channel.is_temperature()).unwrap_or(0.0) / 12f64.sqrt();
-            if let Some(told) = experiment.noise.get(channel.column).filter(|told| **told > 0.0) {
-                return told.hypot(quantised);
+            if is_stated(experiment, channel) {
+                return experiment.noise[channel.column].hypot(quantised(experiment, n, channel));
             }
-            let mut all: Vec<f64> = tables().filter_map(|t| of_column(&t.time, &t.columns[n])).collect();
-            all.sort_by(f64::total_cmp);
-            let values = || tables().flat_map(|t| t.columns[n].iter().copied()).filter(|v| v.is_finite());
-            let span = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
-            let least = if span.is_finite() { (LEAST * span).max(ROUNDING) } else { 1.0 };
-            all.get(all.len() / 2).copied().unwrap_or(least).max(least).max(quantised)
+            let columns =
+                experiment.runs.iter().map(|r| (r.table.time.as_slice(), r.table.columns[n].as_slice()));
+            let least = least(experiment, n, channel);
+            of_columns(columns).unwrap_or(least).max(least)
         })
         .collect()
+}
+
+/// The median of [`of_column`] over columns with their times.
+pub fn of_columns<'a>(columns: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> Option<f64> {
+    let mut all: Vec<f64> = columns.filter_map(|(time, column)| of_column(time, column)).collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied()
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
 use crate::search::{Scored, choice};
 use crate::setup::Setup;
-use gate::gate;
+use gate::{Judged, gate};
 pub use gate::{acting, asked, predicts_where_it_acts};
 use preference::{best_predicting, listed_instead, order_by_likelihood};
 use rayon::prelude::*;
@@ -54,9 +54,19 @@ pub struct Candidate<'a> {
     pub validation: Option<f64>,
     /// Reason for rejection, in one sentence.
     pub refused: Option<String>,
+    /// See [`Judged::is_hardly_better`](gate::Judged::is_hardly_better).
+    is_hardly_better: bool,
 }
 
 impl Candidate<'_> {
+    /// Applies the acceptance tests; one that cannot be simulated in the validation runs is rejected. Result: whether it passes.
+    fn judge(&mut self, before: &Linearization) -> bool {
+        let judged = gate(before, self).unwrap_or_else(|e| Judged::refused(format!("cannot be judged: {e}")));
+        (self.validation, self.refused) = (judged.validation, judged.refused);
+        self.is_hardly_better = judged.is_hardly_better;
+        self.refused.is_none()
+    }
+
     /// Evidence under the less favourable of the two noise models.
     pub fn sure(&self) -> f64 {
         self.delta.0.min(self.delta.1)
@@ -120,7 +130,7 @@ impl<'a> Round<'a> {
 
     /// Whether the accepted candidate also passes the acceptance tests relative to an earlier model.
     pub fn passes_beside(&self, point: &Linearization) -> bool {
-        self.winner().is_some_and(|c| matches!(gate(point, c), Ok((_, None))))
+        self.winner().is_some_and(|c| gate(point, c).is_ok_and(|judged| judged.refused.is_none()))
     }
 
     /// The same round with another linearization for the accepted candidate.
@@ -238,15 +248,9 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
         if taken.is_some() && !candidates[k].addition().is_listed() {
             continue;
         }
-        // A candidate that cannot be simulated in the validation runs is rejected.
-        let (validation, refused) =
-            gate(point, &candidates[k]).unwrap_or_else(|e| (None, Some(format!("cannot be judged: {e}"))));
-        candidates[k].validation = validation;
-        let passes = refused.is_none();
-        candidates[k].refused = refused;
-        match (passes, taken) {
+        match (candidates[k].judge(point), taken) {
             (true, None) => {
-                let listed = listed_instead(point, &candidates, k, near);
+                let listed = listed_instead(point, &mut candidates, k, near);
                 if let Some(other) = listed {
                     candidates[other].refused = None;
                 }
@@ -329,7 +333,14 @@ fn fitted<'a>(
         if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
     let (before, after) = (point.evidence.cost(), larger.evidence.cost());
     let delta = (before.0 - after.0 - cost - of_runs, before.1 - after.1 - cost - of_runs);
-    Ok(Candidate { name: scored.name.clone(), point: larger, delta, validation: None, refused: None })
+    Ok(Candidate {
+        name: scored.name.clone(),
+        point: larger,
+        delta,
+        validation: None,
+        refused: None,
+        is_hardly_better: false,
+    })
 }
 
 /// Sentence on a parameter of an addition that is at a limit.

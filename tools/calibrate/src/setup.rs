@@ -167,9 +167,6 @@ impl<'a> Setup<'a> {
             Ok(Declared { name, runs, is_released, ..Declared::new(entry, prior, deviation) })
         });
         let declared = declared.collect::<Result<Vec<_>, CalibrateError>>()?;
-        let noise = noise::of_experiment(experiment);
-        let smooth = drives.iter().map(|d| d.smoothed(&noise[..experiment.inputs.len()])).collect();
-        let smooth = Arc::new(smooth);
         let all = (f64::NEG_INFINITY, f64::INFINITY);
         let windows: Vec<(f64, f64)> = experiment.runs.iter().map(|run| run.window.unwrap_or(all)).collect();
         let blocks = experiment
@@ -178,22 +175,25 @@ impl<'a> Setup<'a> {
             .zip(&windows)
             .map(|(run, window)| Arc::new(blocks(experiment, run, *window)))
             .collect();
-        Ok(Setup {
+        let drives = Arc::new(drives);
+        let mut own = Setup {
             experiment,
             bench: Arc::new(bench),
-            drives: Arc::new(drives),
-            driven: Arc::clone(&smooth),
-            smooth,
+            driven: Arc::clone(&drives),
+            smooth: Arc::clone(&drives),
+            drives,
             declared,
             kept: Vec::new(),
-            noise,
+            noise: noise::of_experiment(experiment),
             between: Vec::new(),
             remembered: Vec::new(),
             reached: Arc::default(),
             structure: Arc::default(),
             windows,
             blocks,
-        })
+        };
+        own.smooth_inputs();
+        Ok(own)
     }
 
     /// Copy at the model's default accuracy, with the inputs as measured.

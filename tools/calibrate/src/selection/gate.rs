@@ -15,19 +15,27 @@ use crate::setup::{Setup, Shown};
 /// Fraction of a run that is held out if the effect acts in no validation run. Source: Hastie, Tibshirani, Friedman, The Elements of
 /// Statistical Learning (2nd ed., 2009), sec. 7.2: typically a quarter for validation.
 const HELD_OUT: f64 = 0.25;
-type Judged = (Option<f64>, Option<String>);
 
-/// Applies the acceptance tests: ratio of validation errors with and without the candidate, and the reason for rejection.
-pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, CalibrateError> {
-    gate_below(1.0 - STRUCTURE, before, candidate)
+/// Result of the acceptance tests.
+#[derive(Debug, Default)]
+pub struct Judged {
+    /// Ratio of validation errors with and without the candidate; `None` without validation data, and if an earlier test rejects it.
+    pub validation: Option<f64>,
+    /// Reason for rejection.
+    pub refused: Option<String>,
+    /// Whether the only reason is a validation error that is lower by less than structure error.
+    pub is_hardly_better: bool,
 }
 
-/// The same with another limit of the ratio.
-pub fn gate_below(
-    limit: f64,
-    before: &Linearization,
-    candidate: &Candidate,
-) -> Result<Judged, CalibrateError> {
+impl Judged {
+    /// Rejected for this reason before any validation.
+    pub fn refused(sentence: String) -> Judged {
+        Judged { refused: Some(sentence), ..Judged::default() }
+    }
+}
+
+/// Applies the acceptance tests.
+pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, CalibrateError> {
     let (white, raw) = candidate.delta;
     let asked = asked(before, &candidate.point);
     if candidate.sure() <= asked {
@@ -35,40 +43,40 @@ pub fn gate_below(
             "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {asked} is asked for, because \
              the errors of any model explain less"
         );
-        return Ok((None, Some(sentence)));
+        return Ok(Judged::refused(sentence));
     }
     let addition = candidate.addition();
     if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
-        return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
+        return Ok(Judged::refused(format!("{} would have to be negative", addition.numbers[0].symbol)));
     }
     if let Some(sentence) = to_a_limit(before, candidate) {
-        return Ok((None, Some(sentence)));
+        return Ok(Judged::refused(sentence));
     }
     if let Some(sentence) = within_calibration(candidate) {
-        return Ok((None, Some(sentence)));
+        return Ok(Judged::refused(sentence));
     }
-    let unlike = unlike(candidate);
     let foretold = validation(before, candidate)?;
     let validation = foretold.map(|f| (f.with / f.without).sqrt());
-    if let Some(sentence) = unlike {
-        return Ok((validation, Some(sentence)));
-    }
-    if let Some(ratio) = validation.filter(|ratio| *ratio >= limit) {
+    let of_run = unlike(candidate);
+    let of_all = validation.filter(|ratio| *ratio >= 1.0 - STRUCTURE).map(|ratio| {
         let how = if ratio < 1.0 { "hardly predicted better" } else { "predicted worse" };
-        let sentence = format!("what was not fitted is {how}: {ratio:.3} times the error without it");
-        return Ok((validation, Some(sentence)));
-    }
-    if let Some(fall) = foretold.map(|f| f.fall).filter(|fall| *fall < NEAR) {
-        let sentence = format!(
+        format!("what was not fitted is {how}: {ratio:.3} times the error without it")
+    });
+    let of_readings = foretold.map(|f| f.fall).filter(|fall| *fall < NEAR).map(|fall| {
+        format!(
             "what was not fitted is hardly predicted better: chi square falls by {fall:.1}; {NEAR} is asked for"
-        );
-        return Ok((validation, Some(sentence)));
-    }
-    let worse = foretold.and_then(|f| f.worse).map(|(output, ratio)| {
+        )
+    });
+    let of_output = foretold.and_then(|f| f.worse).map(|(output, ratio)| {
         let channel = before.setup.experiment.outputs[output].column;
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
-    Ok((validation, worse))
+    let others = [&of_run, &of_readings, &of_output];
+    let is_hardly_better = of_all.is_some()
+        && validation.is_some_and(|ratio| ratio < 1.0)
+        && others.into_iter().all(Option::is_none);
+    let refused = of_run.or(of_all).or(of_readings).or(of_output);
+    Ok(Judged { validation, refused, is_hardly_better })
 }
 
 /// Decrease of the cost that is asked for an addition, from the model without it to the model with it.

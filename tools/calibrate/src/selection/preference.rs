@@ -1,9 +1,8 @@
 //! Preferences between candidates that explain about the same: which of them is tested first, and which is accepted.
 
-use super::gate::{gate, gate_below};
 use super::{AHEAD, Candidate};
 use crate::hypothesis::Addition;
-use crate::levels::{LEAD, STRUCTURE};
+use crate::levels::{LEAD, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::temperatures;
@@ -51,8 +50,8 @@ pub fn is_sensor(port: Port) -> bool {
     matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor | Port::TorqueSensor)
 }
 
-/// Among laws with the port and driver of the `k`-th candidate, the one with the smallest validation error. A power law extrapolates, a
-/// table is held constant: a table has to be clearly better.
+/// Among laws with the port and driver of the `k`-th candidate, the one with the smallest validation error. A power law has fewer numbers: a
+/// table has to be clearly better.
 pub fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize) -> usize {
     let place = |c: &Candidate| (c.addition().port, c.addition().follows);
     if let Some(law) = law_ahead(point, candidates, k) {
@@ -73,27 +72,35 @@ pub fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: u
         if other == k || !same || !near || own.refused.is_some() || own.addition().is_listed() {
             continue;
         }
-        let Ok((validation, None)) = gate(point, &candidates[other]) else { continue };
-        candidates[other].validation = validation;
-        if worth(&candidates[other]) < worth(&candidates[best]) {
+        if candidates[other].judge(point) && worth(&candidates[other]) < worth(&candidates[best]) {
             best = other;
         }
     }
     best
 }
 
-/// A listed effect at the port of a law that is accepted: it explains as much, is predicted as well up to structure error, and was rejected
-/// only because its own validation error is not below that without it by more than structure error.
-pub fn listed_instead(point: &Linearization, candidates: &[Candidate], k: usize, near: f64) -> Option<usize> {
+/// A listed effect at the port of a law that is accepted: it explains nearly as much (or as much up to `near`), and is predicted as well up to
+/// structure error, even if its own validation error is not below that without it by more than structure error.
+pub fn listed_instead(
+    point: &Linearization,
+    candidates: &mut [Candidate],
+    k: usize,
+    near: f64,
+) -> Option<usize> {
     let law = &candidates[k];
-    let is_equal = |c: &Candidate| {
-        c.addition().is_listed()
-            && c.addition().port == law.addition().port
-            && c.sure() > law.sure() - near
-            && c.validation.zip(law.validation).is_some_and(|(own, of_law)| own < of_law * (1.0 + STRUCTURE))
-            && matches!(gate_below(1.0, point, c), Ok((_, None)))
-    };
-    if law.addition().is_listed() { None } else { candidates.iter().position(is_equal) }
+    let (port, foretold) = (law.addition().port, law.validation?);
+    let least = law.sure() - near.max((1.0 - NEARLY) * law.sure());
+    if law.addition().is_listed() {
+        return None;
+    }
+    candidates.iter_mut().position(|c| {
+        let is_equal = c.addition().is_listed() && c.addition().port == port && c.sure() > least;
+        if is_equal && c.validation.is_none() && c.refused.is_none() {
+            c.judge(point);
+        }
+        let predicts = c.validation.is_some_and(|own| own < foretold * (1.0 + STRUCTURE));
+        is_equal && predicts && (c.is_hardly_better || c.refused.is_none())
+    })
 }
 
 /// A listed effect is preferred to a law that explains little more, and a law of one driver to one of two, unless the other law, at the same
@@ -110,8 +117,6 @@ fn law_ahead(point: &Linearization, candidates: &mut [Candidate], k: usize) -> O
         c.refused.is_none() && drivers(c) > drivers(own) && c.addition().port == port && c.sure() > sure
     };
     let law = candidates.iter().position(explains_more)?;
-    let (validation, refused) = gate(point, &candidates[law]).ok()?;
-    (candidates[law].validation, candidates[law].refused) = (validation, refused);
-    let ahead = candidates[law].refused.is_none() && validation? < AHEAD * foretold;
+    let ahead = candidates[law].judge(point) && candidates[law].validation? < AHEAD * foretold;
     ahead.then_some(law)
 }
