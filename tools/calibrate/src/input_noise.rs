@@ -7,10 +7,11 @@
 //! model describes changes between rows that eq. (2) takes for noise in the readings themselves.
 
 use crate::CalibrateError;
+use crate::experiment::Role;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::Hypothesis;
 use crate::levels::{NEARLY, NEGLIGIBLE};
-use crate::noise::{is_new_in_every_row, is_stated, least, of_columns};
+use crate::noise::{self, is_new_in_every_row, is_stated, least, of_columns};
 use crate::setup::Setup;
 use crate::tangent::Probe;
 use std::sync::Arc;
@@ -57,7 +58,7 @@ impl Setup<'_> {
         hypothesis: &Hypothesis,
         runs: &[usize],
     ) -> Result<Vec<f64>, CalibrateError> {
-        let left = self.noise_left(hypothesis, runs)?;
+        let left = self.noise_left(hypothesis)?;
         if (0..self.outputs()).all(|output| left[output] >= NEARLY * self.sensor_noise(output)) {
             return Ok(left);
         }
@@ -89,25 +90,40 @@ impl Setup<'_> {
         }
     }
 
-    /// sigma_r of each output with the inputs as measured; infinite without readings, and where readings are held over several rows.
-    fn noise_left(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Vec<f64>, CalibrateError> {
+    /// sigma_r of each output with the inputs as measured. Runs differ in their noise, so the estimate from the readings of all runs is
+    /// multiplied by the fraction that is left in the fit and validation runs. Infinite if nearly all is left, without readings, and where readings are held
+    /// over several rows.
+    fn noise_left(&self, hypothesis: &Hypothesis) -> Result<Vec<f64>, CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
-        let all = self.exact().show(hypothesis, runs)?;
-        let mut columns: Vec<Vec<(&[f64], Vec<f64>)>> = vec![Vec::new(); m];
+        let runs = [self.runs(Role::Fit), self.runs(Role::Validate)].concat();
+        let all = self.exact().show(hypothesis, &runs)?;
+        let mut columns: Vec<Vec<(&[f64], [Vec<f64>; 2])>> = vec![Vec::new(); m];
         for (run, shown) in runs.iter().zip(&all) {
             let table = &self.experiment.runs[*run].table;
-            let mut left = vec![vec![f64::NAN; table.time.len()]; m];
-            self.each(*run, shown, |row, output, off| left[output][row] = off);
-            for (output, column) in left.into_iter().enumerate() {
-                if is_new_in_every_row(&table.columns[inputs + output]) {
-                    columns[output].push((&table.time, column));
-                }
+            let blank = vec![f64::NAN; table.time.len()];
+            let mut pairs = vec![[blank.clone(), blank]; m];
+            self.each(*run, shown, |row, output, off| {
+                let [read, left] = &mut pairs[output];
+                (read[row], left[row]) = (table.columns[inputs + output][row], off);
+            });
+            for (output, pair) in
+                pairs.into_iter().enumerate().filter(|(_, [read, _])| is_new_in_every_row(read))
+            {
+                columns[output].push((&table.time, pair));
             }
         }
-        let of = |columns: Vec<(&[f64], Vec<f64>)>| {
-            of_columns(columns.iter().map(|(time, column)| (*time, column.as_slice()))).filter(|s| *s > 0.0)
+        let told = noise::of_experiment(self.experiment);
+        let left = |(output, columns): (usize, Vec<(&[f64], [Vec<f64>; 2])>)| {
+            let of = |k: usize| of_columns(columns.iter().map(|(time, pair)| (*time, pair[k].as_slice())));
+            let (read, left) = (of(0)?, of(1)?);
+            let all = if is_stated(self.experiment, self.experiment.outputs[output]) {
+                read
+            } else {
+                told[inputs + output]
+            };
+            (0.0 < left && left < NEARLY * read).then(|| left / read * all)
         };
-        Ok(columns.into_iter().map(|columns| of(columns).unwrap_or(f64::INFINITY)).collect())
+        Ok(columns.into_iter().enumerate().map(|own| left(own).unwrap_or(f64::INFINITY)).collect())
     }
 
     /// Mean variance of each output due to white input noise over linearised runs
@@ -195,9 +211,7 @@ mod tests {
         let [before, after] = noises(|row| 3.0 + 2.0 * (row as f64 / 20.0).sin(), &[]);
         assert_eq!(before, after);
         let [before, after] = noises(|row| 1.0 + (row * row % 7) as f64, &["voltage_V"]);
-        assert!(
-            after[1] == before[1] && after[1] < 2e-3 && after[2] < before[2] / 5.0,
-            "{before:?} {after:?}"
-        );
+        assert!(after[1] == before[1] && after[1] < 2e-3, "{before:?} {after:?}");
+        assert!(after[0] < 0.1 && after[0] > TRUE[0] && after[2] < before[2] / 5.0, "{before:?} {after:?}");
     }
 }
