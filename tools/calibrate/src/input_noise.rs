@@ -16,6 +16,13 @@ use crate::setup::Setup;
 use crate::tangent::Probe;
 use std::sync::Arc;
 
+/// Readings of an output in a run, and their residual.
+struct Column<'a> {
+    time: &'a [f64],
+    read: Vec<f64>,
+    left: Vec<f64>,
+}
+
 impl Setup<'_> {
     /// Adds the noise that inputs cause within a row to the noise of each output, finds the inputs whose noise is autocorrelated at an
     /// output, and stores the drivers along the runs.
@@ -91,39 +98,36 @@ impl Setup<'_> {
     }
 
     /// sigma_r of each output with the inputs as measured. Runs differ in their noise, so the estimate from the readings of all runs is
-    /// multiplied by the fraction that is left in the fit and validation runs. Infinite if nearly all is left, without readings, and where readings are held
-    /// over several rows.
+    /// multiplied by the fraction that is left in the fit and validation runs. Infinite if nearly all is left, without readings, and where
+    /// readings are held over several rows.
     fn noise_left(&self, hypothesis: &Hypothesis) -> Result<Vec<f64>, CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
         let runs = [self.runs(Role::Fit), self.runs(Role::Validate)].concat();
         let all = self.exact().show(hypothesis, &runs)?;
-        let mut columns: Vec<Vec<(&[f64], [Vec<f64>; 2])>> = vec![Vec::new(); m];
+        let mut columns: Vec<Vec<Column>> = (0..m).map(|_| Vec::new()).collect();
         for (run, shown) in runs.iter().zip(&all) {
             let table = &self.experiment.runs[*run].table;
-            let blank = vec![f64::NAN; table.time.len()];
-            let mut pairs = vec![[blank.clone(), blank]; m];
+            let blank = || vec![f64::NAN; table.time.len()];
+            let one = |_| Column { time: &table.time, read: blank(), left: blank() };
+            let mut own: Vec<Column> = (0..m).map(one).collect();
             self.each(*run, shown, |row, output, off| {
-                let [read, left] = &mut pairs[output];
-                (read[row], left[row]) = (table.columns[inputs + output][row], off);
+                own[output].read[row] = table.columns[inputs + output][row];
+                own[output].left[row] = off;
             });
-            for (output, pair) in
-                pairs.into_iter().enumerate().filter(|(_, [read, _])| is_new_in_every_row(read))
-            {
-                columns[output].push((&table.time, pair));
+            for (all, one) in columns.iter_mut().zip(own).filter(|(_, one)| is_new_in_every_row(&one.read)) {
+                all.push(one);
             }
         }
         let told = noise::of_experiment(self.experiment);
-        let left = |(output, columns): (usize, Vec<(&[f64], [Vec<f64>; 2])>)| {
-            let of = |k: usize| of_columns(columns.iter().map(|(time, pair)| (*time, pair[k].as_slice())));
-            let (read, left) = (of(0)?, of(1)?);
-            let all = if is_stated(self.experiment, self.experiment.outputs[output]) {
-                read
-            } else {
-                told[inputs + output]
-            };
-            (0.0 < left && left < NEARLY * read).then(|| left / read * all)
+        let left = |output: usize| {
+            let own = || columns[output].iter();
+            let read = of_columns(own().map(|c| (c.time, c.read.as_slice())))?;
+            let left = of_columns(own().map(|c| (c.time, c.left.as_slice())))?;
+            let is_stated = is_stated(self.experiment, self.experiment.outputs[output]);
+            let before = if is_stated { read } else { told[inputs + output] };
+            (0.0 < left && left < NEARLY * read).then(|| left / read * before)
         };
-        Ok(columns.into_iter().enumerate().map(|own| left(own).unwrap_or(f64::INFINITY)).collect())
+        Ok((0..m).map(|output| left(output).unwrap_or(f64::INFINITY)).collect())
     }
 
     /// Mean variance of each output due to white input noise over linearised runs
