@@ -117,11 +117,12 @@ def judged(folder: Path):
 
 
 def why(folder: Path) -> str:
-    """One sentence about a set without a report."""
+    """One sentence about a set without a report, without the folder of this machine."""
     run = read_json(folder / "result" / "run.json")
     lines = (folder / "result" / "stderr.txt").read_text(encoding="utf-8", errors="replace").split("\n")
     said = [line.strip() for line in lines if line.strip()]
-    return f"exit code {run['exit_code']} after {run['seconds']:.0f} s" + (f": {said[-1]}" if said else "")
+    last = f": {said[-1]}".replace(f"{folder.resolve().parent}/", "") if said else ""
+    return f"exit code {run['exit_code']} after {run['seconds']:.0f} s" + last
 
 
 def main(arguments=None):

@@ -17,18 +17,17 @@ fn addition(shape: Shape, numbers: &[f64]) -> Addition {
     }
 }
 
+/// A power of the speed relative to 200 rad/s, without a range.
+fn speed_to(exponent: f64) -> Factor {
+    Factor { driver: Driver::Speed, offset: 0.0, reference: 200.0, exponent, range: Factor::UNLIMITED }
+}
+
 /// Derivatives of a law with a lag, including that with respect to the time constant, against differences along a run.
 #[test]
 fn slopes_of_a_lag_are_those_of_its_law() {
     let time: Vec<f64> = (0..200).map(|k| 3.0 * f64::from(k)).collect();
     let drivers: Vec<Drivers> = time.iter().map(|t| at(300.0 + 200.0 * (t / 40.0).sin())).collect();
-    let factor = Factor {
-        driver: Driver::Speed,
-        offset: 0.0,
-        reference: 200.0,
-        exponent: 1.0,
-        range: Factor::UNLIMITED,
-    };
+    let factor = speed_to(1.0);
     let with = |numbers: &[f64]| Addition {
         late: Some(Driver::Speed),
         ..addition(Shape::Power { factor }, numbers)
@@ -77,13 +76,7 @@ fn hats_share_the_whole() {
 /// Derivatives of a power law against differences of the law, on both sides of its zero.
 #[test]
 fn slopes_of_a_power_are_those_of_its_law() {
-    let factor = Factor {
-        driver: Driver::Speed,
-        offset: 0.0,
-        reference: 200.0,
-        exponent: 0.7,
-        range: Factor::UNLIMITED,
-    };
+    let factor = speed_to(0.7);
     let law = |numbers: &[f64], x: f64| numbers[0] * power(&factor, x, numbers[1]);
     for x in [-350.0, -20.0, 5.0, 300.0] {
         let of = addition(Shape::Power { factor }, &[0.3, 0.7]);
@@ -158,13 +151,7 @@ fn only_losses_continue_beyond_the_data() {
 /// The generic term contains the current numbers.
 #[test]
 fn a_term_has_its_numbers() {
-    let factor = Factor {
-        driver: Driver::Speed,
-        offset: 0.0,
-        reference: 200.0,
-        exponent: 1.0,
-        range: Factor::UNLIMITED,
-    };
+    let factor = speed_to(1.0);
     let term = addition(Shape::Power { factor }, &[0.3, 0.7]).term().unwrap();
     let Law::Product(product) = term.law else { panic!("{term:?}") };
     assert_eq!((product.coefficient, product.factors[0].unwrap().exponent), (0.3, 0.7));
