@@ -1,6 +1,6 @@
 //! Terms that are data, from the archive's resources to the motor, through the C functions of both standards.
 
-use crate::common::{CS2, CS3, How, Importer, MOTOR, Message, Options, Succeeds};
+use crate::common::{CS2, CS3, filled, How, Importer, MOTOR, Message, Options, Succeeds};
 use tempfile::TempDir;
 
 /// A folder of resources, with a space in its name, that holds a file of this text.
@@ -88,6 +88,27 @@ fn a_lag_is_a_state_of_the_motor() {
         }
         assert_eq!(motor.outputs(), other.outputs());
     }
+}
+
+/// Heat that a change of the heat capacity stores is in no balance, so the residual of a balance that closes has the derivative 0: in time, and
+/// with respect to an input, which changes the capacity only in the next step.
+#[test]
+fn a_capacity_that_changes_leaves_the_balance_closed() {
+    let capacity = r#"{"format": "motor-fmu effects 1", "terms": [{"port": "heat_capacity", "coefficient": 0.5, "drivers":
+        [{"driver": "winding_temperature", "offset": 290.0, "reference": 30.0}, {"driver": "speed", "reference": 100.0}]}]}"#;
+    let folder = resources(capacity);
+    let motor = located(CS2, &uri(&folder)).unwrap().initialized(&[
+        ("voltage", 3.0),
+        ("mechanical_mode", 2.0),
+        ("imposed_speed", 60.0),
+    ]);
+    (0..40).for_each(|k| motor.step(f64::from(k), 1.0).ok());
+    let power = motor.get("power_electrical");
+    let (residual, speed) = (motor.reference("energy_balance_error"), motor.reference("imposed_speed"));
+    let in_time = filled(1, |slope| motor.get_slopes(&[residual], &[1], slope))[0];
+    let by_speed = filled(1, |slope| motor.directional(&[residual], &[speed], &[1.0], slope))[0];
+    assert!(in_time.abs() < 1e-9 * power, "{in_time} W of {power} W");
+    assert!(by_speed.abs() < 1e-9, "{by_speed} J per rad/s");
 }
 
 #[test]

@@ -158,6 +158,11 @@ macro_rules! effects {
                 false $(|| self.$id.holds(driver))*
             }
 
+            /// Greatest change of what an effect holds constant over a step ([`Effect::change`]).
+            pub fn change(&self, from: &Drivers, to: &Drivers) -> f64 {
+                0.0_f64 $(.max(if self.$id.is_on() { self.$id.change(from, to) } else { 0.0 }))*
+            }
+
             /// The lag of the `k`-th term that is data ([`Effect::lag`]).
             #[inline]
             pub fn lag(&self, k: usize) -> Option<Lag> {

@@ -77,6 +77,8 @@ pub struct Slopes<'a> {
     pub base: &'a dyn Model,
     /// Another instance of the same model, which is changed.
     pub scratch: &'a mut dyn Model,
+    /// Whether every point is one that a step has reached: heat that a change of the heat capacities stores is then in the books.
+    pub reached: bool,
     /// Start time, s, if the knowns act through the initialization instead of the present state.
     pub restart: Option<f64>,
 }
@@ -185,6 +187,9 @@ impl Slopes<'_> {
                 Known::State(_) => {}
             }
         }
+        if self.reached {
+            self.scratch.accept_step();
+        }
         let there = self.restart.is_none_or(|time| self.scratch.start(time).is_ok());
         let rates = unknowns.iter().any(|u| u.slot.group == Slot::RATES);
         if !there || (rates && self.scratch.derivatives(&mut all).is_err()) {
@@ -270,7 +275,7 @@ mod tests {
         let unknowns = [unknown(&motor, "der(state.current)"), unknown(&motor, "winding_resistance")];
         let voltage = slot(&motor, "voltage");
         let one = |known, at, size, limits| [Move { known, at, seed: 1.0, size, limits }];
-        let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None };
+        let mut slopes = Slopes { base: &motor, scratch: &mut scratch, reached: false, restart: None };
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let close = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b.abs(), "{a} and {b}");
         let inverse_l = 1.0 / motor_parameters.L;
@@ -309,7 +314,7 @@ mod tests {
         for w in [0.0, 1e-6, 1e-3, 0.1, 0.7, 2.0, 9.0, 50.0, 800.0f64] {
             for w in [w, -w] {
                 motor.write_states(&[0.0, w]);
-                let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None };
+                let mut slopes = Slopes { base: &motor, scratch: &mut scratch, reached: false, restart: None };
                 let free = (f64::NEG_INFINITY, f64::INFINITY);
                 let moves = [Move { known: Known::State(1), at: w, seed: 1.0, size: 1000.0, limits: free }];
                 let found = slopes.along(&moves, &unknowns)[0];
@@ -349,7 +354,7 @@ mod tests {
         motor.read_states(&mut warm);
         warm[4] = 330.0;
         motor.write_states(&warm);
-        let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None };
+        let mut slopes = Slopes { base: &motor, scratch: &mut scratch, reached: false, restart: None };
         let along = |at, slopes: &mut Slopes<'_>| {
             let moves = [Move { known: Known::Variable(fan), at, seed: 1.0, size: 1.0, limits: (0.0, 1.0) }];
             slopes.along(&moves, &unknowns)[0]

@@ -248,6 +248,20 @@ impl Law {
         all.into_iter().flatten()
     }
 
+    /// Greatest less least value of a table or a grid; of a product its value where every base is 1.
+    pub fn span(&self) -> f64 {
+        let between = |values: &mut dyn Iterator<Item = f64>| {
+            let (low, high) =
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
+            high - low
+        };
+        match self {
+            Law::Product(product) => product.coefficient.abs(),
+            Law::Table(table) => between(&mut table.points().1.iter().copied()),
+            Law::Grid(grid) => between(&mut grid.values().flatten().copied()),
+        }
+    }
+
     /// Least and greatest value of each driver between which the law is not constant; those of a [`Factor`] as there.
     pub fn ranges(&self) -> impl Iterator<Item = (Driver, (f64, f64))> {
         let ends = |points: &[f64]| (points[0], points[points.len() - 1]);

@@ -107,7 +107,9 @@ pub fn followed(time: &[f64], drivers: &[Drivers], lag: Lag) -> Vec<f64> {
     let mut reached = x(0);
     all.push(reached);
     for row in 1..time.len() {
-        reached = lagged(reached, lag.tau, x(row - 1), x(row), time[row] - time[row - 1]);
+        let (from, to) = (x(row - 1), x(row));
+        let along = [from, 0.5 * (from + to), to];
+        reached = lagged(reached, lag.tau, along, time[row] - time[row - 1]);
         all.push(reached);
     }
     all

@@ -191,10 +191,12 @@ impl Instance {
         let stepping = self.interface == Interface::CoSimulation;
         let mut handed = None;
         if stepping {
-            handed.insert(self.model.boxed_clone()).enter_model_exchange();
+            let model = handed.insert(self.model.boxed_clone());
+            model.enter_model_exchange();
+            model.accept_step();
         }
         let base = handed.as_ref().unwrap_or(&self.model).as_ref();
-        let mut slopes = Slopes { base, scratch: scratch.as_mut(), restart };
+        let mut slopes = Slopes { base, scratch: scratch.as_mut(), reached: stepping, restart };
         let mut found = slopes.along(moves, &asked);
         let good = |found: &[Slope]| !unknowns.iter().zip(found).any(|pair| doubtful(&pair));
         if !good(&found) {

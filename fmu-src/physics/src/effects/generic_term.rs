@@ -19,7 +19,8 @@
 //!
 //! *Assumes* that the other drivers are constant over a step, at the mean of their values at its start and end; such a term is of
 //! second order in the step, and of first order where it acts on its own driver and this driver changes within the step (winding_heat as a
-//! function of winding_temperature). The energy balance closes with it. The state of a lag is integrated with its driver linear over the
+//! function of winding_temperature). A step in which a term changes by more than a small part of its span is divided. The energy
+//! balance closes with it. The state of a lag is integrated with its driver linear over the
 //! step, and is also evaluated at the midpoint: second order.
 //! *Sign*: see the table. *Range*: a factor 1 + y is at least 0.05.
 //! *Source*: the data in which the terms were found.
@@ -72,6 +73,11 @@ impl GenericTerms {
         self.along(port, self.drivers.of(port.live().unwrap_or(Driver::Speed)))
     }
 
+    /// The terms that act in the motor, with their number: those that change a reading only hold nothing over a step.
+    fn acting(&self) -> impl Iterator<Item = (usize, &GenericTerm)> {
+        self.terms.iter().flatten().enumerate().filter(|(_, term)| !term.port.is_reading())
+    }
+
     fn factor<D: Number>(sum: D) -> D {
         if sum.re() < LEAST_FACTOR - 1.0 { D::from(LEAST_FACTOR) } else { sum + 1.0 }
     }
@@ -104,8 +110,22 @@ impl Effect for GenericTerms {
     }
 
     fn holds(&self, driver: Driver) -> bool {
-        let here = self.terms.iter().flatten().filter(|_| self.is_on());
-        here.filter(|term| term.port.live() != Some(driver)).any(|term| term.follows(driver))
+        let held = |term: &GenericTerm| term.port.live() != Some(driver) && term.follows(driver);
+        let lagged = |term: &GenericTerm| term.lag.is_some_and(|lag| lag.driver == driver);
+        self.is_on() && self.acting().any(|(_, term)| held(term) || lagged(term))
+    }
+
+    /// Sum of the rises and falls of a term that acts in the motor, over quarters of the way.
+    fn change(&self, from: &Drivers, to: &Drivers) -> f64 {
+        let way: [Drivers; 5] = std::array::from_fn(|n| from.toward(to, 0.25 * n as f64));
+        let of_term = |(k, term): (usize, &GenericTerm)| {
+            // What is evaluated within a step does not count.
+            let live = term.port.live().map(|driver| (driver, way[2].of(driver)));
+            let y = way.each_ref().map(|drivers| term.along_as(k, drivers, live));
+            let change: f64 = y.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+            if change > 0.0 { change / term.law.span() } else { 0.0 }
+        };
+        self.acting().map(of_term).fold(0.0, f64::max)
     }
 
     #[inline]

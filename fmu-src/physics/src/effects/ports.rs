@@ -101,9 +101,16 @@ macro_rules! define {
                 false
             }
 
-            /// Whether it holds this driver constant over a step, as [`set_drivers`](Effect::set_drivers) set it.
+            /// Whether what it holds constant over a step, as [`set_drivers`](Effect::set_drivers) set it, depends on this driver, or on
+            /// its lag.
             fn holds(&self, driver: Driver) -> bool {
                 false
+            }
+
+            /// Change, on the way from one set of drivers to another, of what the effect holds constant over a step, as a fraction of its range:
+            /// a step with a great change is divided.
+            fn change(&self, from: &Drivers, to: &Drivers) -> f64 {
+                0.0
             }
 
             /// The lag of the `k`-th term that is data; its state is integrated by the model.

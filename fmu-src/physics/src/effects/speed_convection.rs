@@ -6,7 +6,8 @@
 //! layer, 0.6 for a cylinder in cross flow, 0.8 for a turbulent boundary layer.
 //! *Assumes* an air velocity that follows the speed without delay. *Neglects* the temperature rise of the air and the
 //! direction of rotation. *Sign*: Q_flow > 0 leaves the motor. *Range*: any speed; at standstill (1) is zero.
-//! *Numerics*: the speed is constant over a step, at its midpoint value: second order in the step.
+//! *Numerics*: the speed is constant over a step, at its midpoint value: second order in the step, which is divided where (1)
+//! changes much.
 //! *Source*: Incropera and DeWitt, Fundamentals of Heat and Mass Transfer (4th ed., 1996), ch. 7 (exponents); Staton and Cavagnino,
 //! IEEE Trans. Ind. Electron. 55 (2008) 3509-3516 (motors).
 
@@ -36,6 +37,14 @@ pub struct SpeedConvection {
 
 parameters_of!(SpeedConvection: law: PowerOfSpeed);
 
+impl SpeedConvection {
+    /// The power in (1).
+    #[inline]
+    fn power(&self, speed: f64) -> f64 {
+        (speed.abs() / self.law.w_ref).powf(self.law.n)
+    }
+}
+
 impl Effect for SpeedConvection {
     const CANDIDATES: &'static [Candidate] =
         &[Candidate::on(Driver::Speed, Port::HousingAmbientConductance, &["G", "n"])];
@@ -52,10 +61,15 @@ impl Effect for SpeedConvection {
         driver == Driver::Speed && self.is_on()
     }
 
+    /// Relative to the greater conductance, at least that at w_ref: noise around standstill is no change.
+    fn change(&self, from: &Drivers, to: &Drivers) -> f64 {
+        let [from, to] = [from, to].map(|drivers| self.power(drivers.speed));
+        (to - from).abs() / from.max(to).max(1.0)
+    }
+
     #[inline]
     fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {
-        let PowerOfSpeed { G, n, w_ref } = self.law;
-        (t_h - t_a) * (G * (self.speed.abs() / w_ref).powf(n))
+        (t_h - t_a) * (self.law.G * self.power(self.speed))
     }
 }
 

@@ -105,7 +105,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
         self.is_sloping
     }
 
-    fn put_slopes(&mut self, slopes: M::Inputs) {
+    pub(crate) fn put_slopes(&mut self, slopes: M::Inputs) {
         (self.slopes, self.is_sloping) = (slopes, slopes != M::Inputs::zero());
     }
 

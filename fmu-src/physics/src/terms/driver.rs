@@ -53,6 +53,13 @@ macro_rules! term_ports {
 
 ports!(term_ports);
 
+impl Port {
+    /// Whether a term there changes only what a sensor indicates.
+    pub fn is_reading(self) -> bool {
+        matches!(self, Port::WindingSensor | Port::HousingSensor | Port::TorqueSensor)
+    }
+}
+
 /// Declares the drivers: item of [`Driver`], field of [`Drivers`], which is also the name in files, unit and typical change.
 macro_rules! drivers {
     ($($(#[doc = $doc:literal])* $driver:ident $field:ident: $unit:ident, $nominal:literal;)*) => {
@@ -84,8 +91,14 @@ macro_rules! drivers {
         impl Drivers {
             /// Mean of these drivers and `to`.
             pub fn middle(&self, to: &Drivers) -> Drivers {
-                let lagged = std::array::from_fn(|k| 0.5 * (self.lagged[k] + to.lagged[k]));
-                Drivers { $($field: 0.5 * (self.$field + to.$field),)* lagged }
+                self.toward(to, 0.5)
+            }
+
+            /// The drivers this part of the way to `to`.
+            pub fn toward(&self, to: &Drivers, part: f64) -> Drivers {
+                let mix = |a: f64, b: f64| (1.0 - part) * a + part * b;
+                let lagged = std::array::from_fn(|k| mix(self.lagged[k], to.lagged[k]));
+                Drivers { $($field: mix(self.$field, to.$field),)* lagged }
             }
 
             /// The same with another value of one driver.

@@ -1,33 +1,41 @@
 //! Drivers of the terms, temperature sensor of the housing, and initial state.
 
-use super::equations::Constants;
+use super::equations::{Constants, NODES};
 use super::motor::{AnnulusCooledMotor, Motor};
 use super::network::Network;
 use super::parameters::Parameters;
-use super::variables::{DriveMode, MechanicalMode};
+use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::initial::temperature;
 use crate::components::sensor::lagged;
 use crate::effects::{PerNode, Port};
 use crate::runtime::{Equations, Halt};
-use crate::solver::split::Fast;
-use crate::terms::Driver::{Current, HousingTemperature, LoadTorque, Speed, WindingTemperature};
-use crate::terms::{Drivers, Lag, MOST_TERMS};
+use crate::solver::split::{Fast, State};
+use crate::terms::Driver::*;
+use crate::terms::{Driver, Drivers, Lag, MOST_TERMS};
 use declare::Group;
+
+/// Start of a step, for the lag states.
+pub(super) struct LagStart {
+    /// Input of each lag.
+    sources: [f64; MOST_TERMS],
+    /// Inputs of the motor in the middle of the step.
+    middle: Inputs,
+    state: State<NODES>,
+}
 
 impl AnnulusCooledMotor {
     /// Sets the drivers of the terms to their values at `time` and updates the heat capacities.
     #[inline]
     pub(super) fn set_drivers(&mut self, time: f64) {
-        self.set_drivers_over(time, 0.0);
+        if self.parameters.effects.acts_at(Port::Any) {
+            self.pass_drivers(&self.drivers_after(time, 0.0));
+        }
+        self.follow_capacity();
     }
 
-    /// The same for a step of `h` seconds. Drivers that depend on inputs or time are evaluated at the midpoint, so that a term
-    /// with constant drivers over the step is of second order in them.
-    #[inline]
-    pub(super) fn set_drivers_over(&mut self, time: f64, h: f64) {
-        if self.parameters.effects.acts_at(Port::Any) {
-            self.pass_drivers(&self.drivers_over(time, h));
-        }
+    /// Sets the drivers of a step to the mean of those at its ends and updates the heat capacities.
+    pub(super) fn hold_drivers(&mut self, ends: &[Drivers; 2]) {
+        self.pass_drivers(&ends[0].middle(&ends[1]));
         self.follow_capacity();
     }
 
@@ -42,7 +50,7 @@ impl AnnulusCooledMotor {
     }
 
     #[inline]
-    fn follow_capacity(&mut self) {
+    pub(super) fn follow_capacity(&mut self) {
         if let Some(factor) = self.capacity_change(&self.parameters) {
             self.change_capacity(factor);
         }
@@ -73,38 +81,54 @@ impl AnnulusCooledMotor {
     }
 
     /// Whether an effect depends on drivers that follow the states and are constant over a step.
-    #[inline]
-    pub(super) fn holds_states(&self) -> bool {
-        let effects = &self.parameters.effects;
-        effects.acts_at(Port::Any)
-            && (effects.has_lags()
-                || [Speed, Current, LoadTorque, WindingTemperature, HousingTemperature]
-                    .iter()
-                    .any(|d| effects.holds(*d)))
+    fn holds_states(&self) -> bool {
+        let Parameters { effects, choices, .. } = &self.parameters;
+        let follows_states = |driver: &Driver| match driver {
+            Speed => choices.mechanical_mode == MechanicalMode::FreeShaft,
+            Current => choices.drive_mode != DriveMode::Current,
+            LoadTorque => choices.mechanical_mode == MechanicalMode::ImposedSpeed,
+            WindingTemperature | HousingTemperature | CopperLoss | FrictionLoss => true,
+            AmbientTemperature | FanCommand | Time => false,
+        };
+        Driver::ALL.iter().any(|driver| follows_states(driver) && effects.holds(*driver))
     }
 
-    /// Sets the drivers of the terms to their values at the midpoint of a step of `h` seconds. A trial step gives the end values, so
-    /// that constant drivers are of second order in the step, also if they follow a current that changes within milliseconds.
-    pub(super) fn set_drivers_middle(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+    /// The lag of each term, if it has one.
+    fn lags_of_terms(&self) -> [Option<Lag>; MOST_TERMS] {
+        std::array::from_fn(|k| self.parameters.effects.lag(k))
+    }
+
+    /// Drivers of the terms at both ends of a step of `h` seconds. Where they follow states, a trial step gives those at the end, so that
+    /// constant drivers are of second order in the step, also if they follow a current that changes within milliseconds.
+    pub(super) fn drivers_along(&mut self, time: f64, h: f64) -> Result<[Drivers; 2], Halt> {
+        let from = self.drivers_after(time, 0.0);
+        let mut to = self.drivers_after(time, h);
+        if !self.holds_states() {
+            let lags = self.lags_of_terms();
+            let after = |k: usize| {
+                let z = from.lagged[k];
+                let source = |lag: Lag| [&from, &from.middle(&to), &to].map(|drivers| drivers.of(lag.driver));
+                lags[k].map_or(z, |lag| lagged(z, lag.tau, source(lag), h))
+            };
+            to.lagged = std::array::from_fn(after);
+            return Ok([from, to]);
+        }
         let before = self.clone();
-        let from = self.drivers_over(time, 0.0);
-        self.set_drivers_over(time, h);
+        self.hold_drivers(&[from, to]);
         let taken = self.take_substeps(time, h);
-        let to = self.drivers_over(time + h, 0.0);
+        to = self.drivers_after(time + h, 0.0);
         *self = before;
         taken?;
-        self.pass_drivers(&from.middle(&to));
-        self.follow_capacity();
-        Ok(())
+        Ok([from, to])
     }
 
-    /// Drivers of the terms at the midpoint of a step of `h` seconds that starts at `time`.
-    pub(super) fn drivers_over(&self, time: f64, h: f64) -> Drivers {
+    /// Drivers of the terms with the present states and the inputs `h` seconds after `time`.
+    pub(super) fn drivers_after(&self, time: f64, h: f64) -> Drivers {
         let (x, housing) = (&self.own.state.x, self.housing_temperature());
         let choices = &self.parameters.choices;
         let inputs =
-            if h > 0.0 && self.is_sloping() { self.inputs.after(0.5 * h, &self.slopes) } else { self.inputs };
-        let time = time + 0.5 * h;
+            if h > 0.0 && self.is_sloping() { self.inputs.after(h, &self.slopes) } else { self.inputs };
+        let time = time + h;
         let imposed = choices.mechanical_mode == MechanicalMode::ImposedSpeed;
         let current = if choices.drive_mode == DriveMode::Current { inputs.current_command } else { x[0] };
         Drivers {
@@ -129,7 +153,7 @@ impl AnnulusCooledMotor {
 
     /// Present drivers of the terms, with these heat flows.
     pub(super) fn drivers_with(&self, [copper_loss, friction_loss]: [f64; 2]) -> Drivers {
-        Drivers { copper_loss, friction_loss, ..self.drivers_over(self.time, 0.0) }
+        Drivers { copper_loss, friction_loss, ..self.drivers_after(self.time, 0.0) }
     }
 
     /// Present input of each term's lag; 0 without a lag.
@@ -139,8 +163,7 @@ impl AnnulusCooledMotor {
 
     /// The same with the heat flows from elsewhere.
     pub(super) fn lag_sources_with(&self, heat_flows: impl FnOnce() -> [f64; 2]) -> [f64; MOST_TERMS] {
-        let effects = &self.parameters.effects;
-        let lags: [Option<Lag>; MOST_TERMS] = std::array::from_fn(|k| effects.lag(k));
+        let lags = self.lags_of_terms();
         let is_heat = lags.iter().flatten().any(|lag| lag.driver.is_heat());
         let drivers = self.drivers_with(if is_heat { heat_flows() } else { [0.0; 2] });
         lags.map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
@@ -160,14 +183,44 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Advances the lag states over a step of `h` seconds; `before` are the drivers at its start.
-    pub(super) fn follow_lags(&mut self, before: &[f64; MOST_TERMS], h: f64) {
-        let after = self.lag_sources();
-        for k in 0..MOST_TERMS {
-            if let Some(lag) = self.parameters.effects.lag(k) {
-                self.own.term_lags[k] = lagged(self.own.term_lags[k], lag.tau, before[k], after[k], h);
+    /// What the lag states need of the start of a step of `h` seconds.
+    pub(super) fn lag_start(&self, h: f64) -> LagStart {
+        let inputs = if self.is_sloping() { self.inputs.after(0.5 * h, &self.slopes) } else { self.inputs };
+        LagStart { sources: self.lag_sources(), middle: inputs, state: self.own.state }
+    }
+
+    /// Advances the lag states over a step of `h` seconds that began there.
+    pub(super) fn follow_lags(&mut self, start: &LagStart, h: f64) {
+        let (middle, after) = (self.middle_sources(start, h), self.lag_sources());
+        for (k, lag) in self.lags_of_terms().iter().enumerate() {
+            if let Some(lag) = lag {
+                let source = [start.sources[k], middle[k], after[k]];
+                self.own.term_lags[k] = lagged(self.own.term_lags[k], lag.tau, source, h);
             }
         }
+    }
+
+    /// Inputs of the lags in the middle of the step. With a network, temperatures are linear in time.
+    fn middle_sources(&self, start: &LagStart, h: f64) -> [f64; MOST_TERMS] {
+        let mut middle = self.clone();
+        middle.inputs = start.middle;
+        let (from, to) = (&start.state, &self.own.state);
+        let state = &mut middle.own.state;
+        state.x = 0.5 * (from.x + to.x);
+        for n in 0..NODES {
+            let ends = [from.temperature[n], to.temperature[n]];
+            state.temperature[n] =
+                if self.own.network.is_some() { 0.5 * (ends[0] + ends[1]) } else { self.middle_of(n, ends[0], h) };
+        }
+        Motor::follow_inputs(&mut middle);
+        middle.lag_sources()
+    }
+
+    /// Temperature of a node in the middle of the last `h` seconds, K, in which it was a parabola with the mean that the integrator found;
+    /// `from` is that at the start.
+    fn middle_of(&self, node: usize, from: f64, h: f64) -> f64 {
+        let state = &self.own.state;
+        0.25 * (6.0 * state.integrals.temperature[node] / h - from - state.temperature[node])
     }
 
     /// True temperature of the housing, K.
@@ -175,10 +228,14 @@ impl AnnulusCooledMotor {
         self.own.network.as_ref().map_or(self.own.state.temperature[1], Network::housing_temperature)
     }
 
-    /// Advances the housing sensor over a step of `h` seconds; `before` is the housing temperature at its start, K.
+    /// Advances the housing sensor over a step of `h` seconds; `before` is the housing temperature at its start, K. With a network, the
+    /// temperature is linear in time.
     pub(super) fn follow_sensor(&mut self, before: f64, h: f64) {
         let tau = self.parameters.effects.housing_sensor_lag();
-        self.own.t_sensor = lagged(self.own.t_sensor, tau, before, self.housing_temperature(), h);
+        let after = self.housing_temperature();
+        let middle =
+            if self.own.network.is_some() { 0.5 * (before + after) } else { self.middle_of(1, before, h) };
+        self.own.t_sensor = lagged(self.own.t_sensor, tau, [before, middle, after], h);
     }
 
     /// Sets the initial state; nodes without an initial value start at `ambient`, K.

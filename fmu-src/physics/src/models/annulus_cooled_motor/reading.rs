@@ -39,7 +39,7 @@ impl AnnulusCooledMotor {
             return look(&Reading { run: self, step, network, stored_at_start: own.stored_at_start });
         }
         let mut parameters = self.parameters;
-        let cools = is_told && parameters.effects.set_drivers(&self.drivers_over(self.time, 0.0));
+        let cools = is_told && parameters.effects.set_drivers(&self.drivers_after(self.time, 0.0));
         let fan = if cools { (f64::NAN, PerNode::default()) } else { own.fan };
         let (mut constants, mut stored_at_start) = (None, own.stored_at_start);
         if let Some(factor) = self.capacity_change(&parameters) {

@@ -25,6 +25,11 @@ use declare::Group;
 const LEAST_SHARE: f64 = 1e-9;
 /// Largest change of the ambient temperature within a substep, K; the cooling has its midpoint value.
 const MOVE: f64 = 0.25;
+/// Number of parts of a step in which a law of the terms changes by its span. The midpoint rule of a law that rises by its
+/// span and falls again is exact to 2 / (8 x 32^2) of the span over the step, 2e-4.
+const PARTS: f64 = 32.0;
+/// Largest number of parts: a law far outside the data may change by many of its spans.
+const MOST_PARTS: f64 = 128.0;
 
 impl AnnulusCooledMotor {
     /// A step without an event inside.
@@ -33,12 +38,37 @@ impl AnnulusCooledMotor {
         if let Some(fault) = &self.own.fault {
             return Err(Halt::Fault(Fault(fault.clone())));
         }
-        if self.holds_states() {
-            self.set_drivers_middle(time, h)?;
-        } else {
-            self.set_drivers_over(time, h);
+        if !self.parameters.effects.acts_at(Port::Any) {
+            self.follow_capacity();
+            return self.take_substeps(time, h);
         }
+        let ends = self.drivers_along(time, h)?;
+        let parts = (PARTS * self.parameters.effects.change(&ends[0], &ends[1])).ceil();
+        if parts > 1.0 {
+            return self.advance_in_parts(time, h, parts.min(MOST_PARTS));
+        }
+        self.hold_drivers(&ends);
         self.take_substeps(time, h)
+    }
+
+    /// A step in which the drivers of the terms change much, in equal parts.
+    #[inline(never)]
+    fn advance_in_parts(&mut self, time: f64, h: f64, parts: f64) -> Result<(), Halt> {
+        let (before, slopes, part) = (self.clone(), self.slopes, h / parts);
+        for k in 0..parts as usize {
+            self.put_slopes(slopes);
+            let at = time + k as f64 * part;
+            let taken = self.drivers_along(at, part).and_then(|ends| {
+                self.hold_drivers(&ends);
+                self.take_substeps(at, part)
+            });
+            if let Err(halt) = taken {
+                *self = before;
+                return Err(halt);
+            }
+        }
+        self.time = time + h;
+        Ok(())
     }
 
     /// A step with the drivers already set.
@@ -46,7 +76,7 @@ impl AnnulusCooledMotor {
     pub(super) fn take_substeps(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.housing_temperature();
         let effects = &self.parameters.effects;
-        let lagging = (effects.acts_at(Port::Any) && effects.has_lags()).then(|| self.lag_sources());
+        let lagging = (effects.acts_at(Port::Any) && effects.has_lags()).then(|| self.lag_start(h));
         if self.own.network.is_some() {
             self.advance_in_pieces(time, h)?;
         } else if self.own.constants.are_plain(&self.slopes) {
@@ -61,8 +91,8 @@ impl AnnulusCooledMotor {
         // The following is evaluated at the end of the step, where the inputs have their final values.
         self.clear_slopes();
         self.follow_sensor(before, h);
-        if let Some(sources) = lagging {
-            self.follow_lags(&sources, h);
+        if let Some(start) = lagging {
+            self.follow_lags(&start, h);
         }
         Ok(())
     }
