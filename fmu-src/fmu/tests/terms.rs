@@ -1,6 +1,6 @@
 //! Terms that are data, from the archive's resources to the motor, through the C functions of both standards.
 
-use crate::common::{CS2, CS3, filled, How, Importer, MOTOR, Message, Options, Succeeds};
+use crate::common::{CS2, CS3, How, Importer, MOTOR, Message, Options, Succeeds, filled};
 use tempfile::TempDir;
 
 /// A folder of resources, with a space in its name, that holds a file of this text.

@@ -314,7 +314,8 @@ mod tests {
         for w in [0.0, 1e-6, 1e-3, 0.1, 0.7, 2.0, 9.0, 50.0, 800.0f64] {
             for w in [w, -w] {
                 motor.write_states(&[0.0, w]);
-                let mut slopes = Slopes { base: &motor, scratch: &mut scratch, reached: false, restart: None };
+                let mut slopes =
+                    Slopes { base: &motor, scratch: &mut scratch, reached: false, restart: None };
                 let free = (f64::NEG_INFINITY, f64::INFINITY);
                 let moves = [Move { known: Known::State(1), at: w, seed: 1.0, size: 1000.0, limits: free }];
                 let found = slopes.along(&moves, &unknowns)[0];

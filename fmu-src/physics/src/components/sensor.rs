@@ -5,7 +5,9 @@
 //! e = 1 - exp(-h / tau),   s = (T_1 - T_0) / h,   b = T_m - (T_0 + T_1) / 2
 //! g(u) = [u (1 + exp(-u)) - 2 (1 - exp(-u))] / u^2                                      (3)
 //!
-//! T_0, T_m and T_1 are the temperatures at the start, in the middle and at the end of the step.
+//! mean y = (T_0 + 4 T_m + T_1) / 6 - tau (y(h) - y_0) / h                               (4)
+//!
+//! T_0, T_m and T_1 are the temperatures at the start, in the middle and at the end of the step. Eq. (4) is the integral of eq. (1).
 //! *Assumes* only eq. (1): eq. (2) is its exact solution for any step size.
 
 /// Reading of a sensor of time constant `tau` >= 0, s, with initial reading `shown`, after `h` > 0 seconds with these temperatures at the
@@ -18,6 +20,12 @@ pub fn lagged(shown: f64, tau: f64, [from, middle, to]: [f64; 3], h: f64) -> f64
     let e = -(-h / tau).exp_m1();
     let bend = middle - 0.5 * (from + to);
     shown + (from - shown) * e + (to - from) / h * (h - tau * e) + 4.0 * bend * bent(h / tau, e)
+}
+
+/// Mean reading over these `h` seconds by eq. (4); `shown` and `shows` are those at the ends.
+#[inline]
+pub fn mean_lagged([shown, shows]: [f64; 2], tau: f64, [from, middle, to]: [f64; 3], h: f64) -> f64 {
+    (from + 4.0 * middle + to) / 6.0 - tau * (shows - shown) / h
 }
 
 /// Eq. (3), with `e` = 1 - exp(-u); its series where the terms cancel.
@@ -54,6 +62,9 @@ mod tests {
             };
             let (whole, halves) = (over(310.0, 0.0, 4.0), over(over(310.0, 0.0, 2.0), 2.0, 2.0));
             assert!((whole - halves).abs() < 1e-9, "{tau} s: {whole} {halves}");
+            let mean = mean_lagged([310.0, whole], tau, [0.0, 2.0, 4.0].map(path), 4.0);
+            let middles = (0..1000).map(|k| over(310.0, 0.0, (f64::from(k) + 0.5) * 4e-3));
+            assert!((mean - middles.sum::<f64>() / 1e3).abs() < 1e-5, "{tau} s: {mean}");
         }
         assert_eq!(lagged(310.0, 0.0, [320.0, 325.0, 330.0], 4.0), 330.0);
         assert!((lagged(310.0, 1e-9, [320.0, 329.0, 330.0], 4.0) - 330.0).abs() < 1e-7);

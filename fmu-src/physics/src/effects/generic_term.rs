@@ -17,11 +17,10 @@
 //! | winding_sensor, housing_sensor | the reading is y, K, too high | |
 //! | torque_sensor | the indicated torque is y, N.m, too high | |
 //!
-//! *Assumes* that the other drivers are constant over a step, at the mean of their values at its start and end; such a term is of
-//! second order in the step, and of first order where it acts on its own driver and this driver changes within the step (winding_heat as a
-//! function of winding_temperature). A step in which a term changes by more than a small part of its span is divided. The energy
-//! balance closes with it. The state of a lag is integrated with its driver linear over the
-//! step, and is also evaluated at the midpoint: second order.
+//! *Assumes* that the other drivers are constant over a step, at their mean; such a term is of second order in the step, and of first
+//! order where it acts on its own driver and this driver changes within the step (winding_heat as a function of winding_temperature).
+//! A step in which a term changes by more than a small part of its span is divided. The energy balance closes with it. The state of a
+//! lag is integrated with its driver a parabola over the step: second order.
 //! *Sign*: see the table. *Range*: a factor 1 + y is at least 0.05.
 //! *Source*: the data in which the terms were found.
 

@@ -285,8 +285,8 @@ pub fn replay(replay: &Replay) -> String {
     };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
     let why = if !replay.agrees && worst.standard == "fmi3" {
-        "; FMI 3 has no input derivatives, so each row is divided into substeps, and a term whose drivers are constant over a row is \
-         constant over those"
+        "; FMI 3 has no input derivatives, so each row is divided into substeps, and a term, whose drivers are constant over a step, \
+         follows them more closely in those"
     } else {
         ""
     };

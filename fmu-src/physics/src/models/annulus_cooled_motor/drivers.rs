@@ -6,7 +6,7 @@ use super::network::Network;
 use super::parameters::Parameters;
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::initial::temperature;
-use crate::components::sensor::lagged;
+use crate::components::sensor::{lagged, mean_lagged};
 use crate::effects::{PerNode, Port};
 use crate::runtime::{Equations, Halt};
 use crate::solver::split::{Fast, State};
@@ -21,6 +21,8 @@ pub(super) struct LagStart {
     /// Inputs of the motor in the middle of the step.
     middle: Inputs,
     state: State<NODES>,
+    /// Temperature of the housing, K.
+    housing: f64,
 }
 
 impl AnnulusCooledMotor {
@@ -33,9 +35,9 @@ impl AnnulusCooledMotor {
         self.follow_capacity();
     }
 
-    /// Sets the drivers of a step to the mean of those at its ends and updates the heat capacities.
-    pub(super) fn hold_drivers(&mut self, ends: &[Drivers; 2]) {
-        self.pass_drivers(&ends[0].middle(&ends[1]));
+    /// Sets the drivers that a step holds and updates the heat capacities.
+    pub(super) fn hold_drivers(&mut self, mean: &Drivers) {
+        self.pass_drivers(mean);
         self.follow_capacity();
     }
 
@@ -98,37 +100,46 @@ impl AnnulusCooledMotor {
         std::array::from_fn(|k| self.parameters.effects.lag(k))
     }
 
-    /// Drivers of the terms at both ends of a step of `h` seconds. Where they follow states, a trial step gives those at the end, so that
-    /// constant drivers are of second order in the step, also if they follow a current that changes within milliseconds.
-    pub(super) fn drivers_along(&mut self, time: f64, h: f64) -> Result<[Drivers; 2], Halt> {
+    /// Drivers of the terms at the start, on average and at the end of a step of `h` seconds. Where they follow states, a trial step gives
+    /// the others, so that constant drivers are of second order in the step, also if they follow a current that changes within milliseconds.
+    pub(super) fn drivers_along(&mut self, time: f64, h: f64) -> Result<[Drivers; 3], Halt> {
         let from = self.drivers_after(time, 0.0);
         let mut to = self.drivers_after(time, h);
+        let mut mean = from.middle(&to);
         if !self.holds_states() {
-            let lags = self.lags_of_terms();
-            let after = |k: usize| {
-                let z = from.lagged[k];
-                let source = |lag: Lag| [&from, &from.middle(&to), &to].map(|drivers| drivers.of(lag.driver));
-                lags[k].map_or(z, |lag| lagged(z, lag.tau, source(lag), h))
-            };
-            to.lagged = std::array::from_fn(after);
-            return Ok([from, to]);
+            for (k, lag) in self.lags_of_terms().iter().enumerate() {
+                if let Some(Lag { driver, tau }) = *lag {
+                    let source = [&from, &mean, &to].map(|drivers| drivers.of(driver));
+                    to.lagged[k] = lagged(from.lagged[k], tau, source, h);
+                    mean.lagged[k] = mean_lagged([from.lagged[k], to.lagged[k]], tau, source, h);
+                }
+            }
+            return Ok([from, mean, to]);
         }
         let before = self.clone();
-        self.hold_drivers(&[from, to]);
+        self.hold_drivers(&mean);
         let taken = self.take_substeps(time, h);
         to = self.drivers_after(time + h, 0.0);
+        mean = Drivers { lagged: self.own.mean_lags, ..from.middle(&to) };
+        if self.own.network.is_none() {
+            let over_step = &self.own.state.integrals.temperature;
+            (mean.winding_temperature, mean.housing_temperature) = (over_step[0] / h, over_step[1] / h);
+        }
         *self = before;
         taken?;
-        Ok([from, to])
+        Ok([from, mean, to])
     }
 
     /// Drivers of the terms with the present states and the inputs `h` seconds after `time`.
     pub(super) fn drivers_after(&self, time: f64, h: f64) -> Drivers {
-        let (x, housing) = (&self.own.state.x, self.housing_temperature());
-        let choices = &self.parameters.choices;
         let inputs =
             if h > 0.0 && self.is_sloping() { self.inputs.after(h, &self.slopes) } else { self.inputs };
-        let time = time + h;
+        self.drivers_at(time + h, &inputs, &self.own.state, self.housing_temperature())
+    }
+
+    /// Drivers of the terms with these inputs and states, and the housing at this temperature, K.
+    fn drivers_at(&self, time: f64, inputs: &Inputs, state: &State<NODES>, housing: f64) -> Drivers {
+        let (x, choices) = (&state.x, &self.parameters.choices);
         let imposed = choices.mechanical_mode == MechanicalMode::ImposedSpeed;
         let current = if choices.drive_mode == DriveMode::Current { inputs.current_command } else { x[0] };
         Drivers {
@@ -139,7 +150,7 @@ impl AnnulusCooledMotor {
                 // Without the motor's drag, which may itself be the term that needs this driver.
                 MechanicalMode::ImposedSpeed => self.parameters.motor.torque_constant(housing) * current,
             },
-            winding_temperature: self.own.state.temperature[0],
+            winding_temperature: state.temperature[0],
             housing_temperature: housing,
             ambient_temperature: inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time,
             fan_command: inputs.fan_command,
@@ -163,9 +174,15 @@ impl AnnulusCooledMotor {
 
     /// The same with the heat flows from elsewhere.
     pub(super) fn lag_sources_with(&self, heat_flows: impl FnOnce() -> [f64; 2]) -> [f64; MOST_TERMS] {
+        self.sources_of(self.drivers_after(self.time, 0.0), heat_flows)
+    }
+
+    /// Input of each term's lag with these drivers; the heat flows are evaluated only for a lag that needs them.
+    fn sources_of(&self, mut drivers: Drivers, heat_flows: impl FnOnce() -> [f64; 2]) -> [f64; MOST_TERMS] {
         let lags = self.lags_of_terms();
-        let is_heat = lags.iter().flatten().any(|lag| lag.driver.is_heat());
-        let drivers = self.drivers_with(if is_heat { heat_flows() } else { [0.0; 2] });
+        if lags.iter().flatten().any(|lag| lag.driver.is_heat()) {
+            [drivers.copper_loss, drivers.friction_loss] = heat_flows();
+        }
         lags.map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
     }
 
@@ -186,7 +203,12 @@ impl AnnulusCooledMotor {
     /// What the lag states need of the start of a step of `h` seconds.
     pub(super) fn lag_start(&self, h: f64) -> LagStart {
         let inputs = if self.is_sloping() { self.inputs.after(0.5 * h, &self.slopes) } else { self.inputs };
-        LagStart { sources: self.lag_sources(), middle: inputs, state: self.own.state }
+        LagStart {
+            sources: self.lag_sources(),
+            middle: inputs,
+            state: self.own.state,
+            housing: self.housing_temperature(),
+        }
     }
 
     /// Advances the lag states over a step of `h` seconds that began there.
@@ -195,25 +217,35 @@ impl AnnulusCooledMotor {
         for (k, lag) in self.lags_of_terms().iter().enumerate() {
             if let Some(lag) = lag {
                 let source = [start.sources[k], middle[k], after[k]];
-                self.own.term_lags[k] = lagged(self.own.term_lags[k], lag.tau, source, h);
+                let before = self.own.term_lags[k];
+                let reached = lagged(before, lag.tau, source, h);
+                self.own.term_lags[k] = reached;
+                self.own.mean_lags[k] = mean_lagged([before, reached], lag.tau, source, h);
             }
         }
     }
 
     /// Inputs of the lags in the middle of the step. With a network, temperatures are linear in time.
     fn middle_sources(&self, start: &LagStart, h: f64) -> [f64; MOST_TERMS] {
-        let mut middle = self.clone();
-        middle.inputs = start.middle;
-        let (from, to) = (&start.state, &self.own.state);
-        let state = &mut middle.own.state;
-        state.x = 0.5 * (from.x + to.x);
+        let has_network = self.own.network.is_some();
+        let mut state = self.own.state;
+        state.x = 0.5 * (start.state.x + state.x);
         for n in 0..NODES {
-            let ends = [from.temperature[n], to.temperature[n]];
+            let from = start.state.temperature[n];
             state.temperature[n] =
-                if self.own.network.is_some() { 0.5 * (ends[0] + ends[1]) } else { self.middle_of(n, ends[0], h) };
+                if has_network { 0.5 * (from + state.temperature[n]) } else { self.middle_of(n, from, h) };
         }
-        Motor::follow_inputs(&mut middle);
-        middle.lag_sources()
+        let housing = match has_network {
+            true => 0.5 * (start.housing + self.housing_temperature()),
+            false => state.temperature[1],
+        };
+        let drivers = self.drivers_at(self.time - 0.5 * h, &start.middle, &state, housing);
+        self.sources_of(drivers, || {
+            let mut middle = self.clone();
+            (middle.inputs, middle.own.state) = (start.middle, state);
+            Motor::follow_inputs(&mut middle);
+            middle.equations().heat_flows(&middle.own.state)
+        })
     }
 
     /// Temperature of a node in the middle of the last `h` seconds, K, in which it was a parabola with the mean that the integrator found;

@@ -32,6 +32,8 @@ pub struct Motor {
     pub(super) t_sensor: f64,
     /// State of each term's lag, in the unit of its driver.
     pub(super) term_lags: [f64; MOST_TERMS],
+    /// Mean of each over the last step; the next step does not depend on it.
+    pub(super) mean_lags: [f64; MOST_TERMS],
     /// Temperature at the start, K; reference of the stored heat.
     pub(super) t_start: f64,
     /// Factor on the heat capacities of [`Constants`].
@@ -202,6 +204,7 @@ impl Equations<ALL> for Motor {
             state: State::default(),
             t_sensor: 0.0,
             term_lags: [0.0; MOST_TERMS],
+            mean_lags: [0.0; MOST_TERMS],
             t_start: 0.0,
             capacity_factor: 1.0,
             stored_at_start: 0.0,

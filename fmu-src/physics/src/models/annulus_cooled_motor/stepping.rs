@@ -42,12 +42,12 @@ impl AnnulusCooledMotor {
             self.follow_capacity();
             return self.take_substeps(time, h);
         }
-        let ends = self.drivers_along(time, h)?;
-        let parts = (PARTS * self.parameters.effects.change(&ends[0], &ends[1])).ceil();
+        let [from, mean, to] = self.drivers_along(time, h)?;
+        let parts = (PARTS * self.parameters.effects.change(&from, &to)).ceil();
         if parts > 1.0 {
             return self.advance_in_parts(time, h, parts.min(MOST_PARTS));
         }
-        self.hold_drivers(&ends);
+        self.hold_drivers(&mean);
         self.take_substeps(time, h)
     }
 
@@ -58,8 +58,8 @@ impl AnnulusCooledMotor {
         for k in 0..parts as usize {
             self.put_slopes(slopes);
             let at = time + k as f64 * part;
-            let taken = self.drivers_along(at, part).and_then(|ends| {
-                self.hold_drivers(&ends);
+            let taken = self.drivers_along(at, part).and_then(|[_, mean, _]| {
+                self.hold_drivers(&mean);
                 self.take_substeps(at, part)
             });
             if let Err(halt) = taken {
