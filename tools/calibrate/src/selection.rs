@@ -254,7 +254,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
                 if let Some(other) = listed {
                     candidates[other].refused = None;
                 }
-                taken = Some(listed.unwrap_or_else(|| best_predicting(point, &mut candidates, k)));
+                taken = Some(listed.unwrap_or_else(|| best_predicting(point, &mut candidates, k, near)));
             }
             (true, Some(_)) if candidates[k].addition().is_listed() => alike.push(k),
             _ => {}

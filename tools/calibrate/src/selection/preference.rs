@@ -2,7 +2,7 @@
 
 use super::{AHEAD, Candidate};
 use crate::hypothesis::Addition;
-use crate::levels::{LEAD, NEARLY, STRUCTURE};
+use crate::levels::{NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::temperatures;
@@ -13,7 +13,7 @@ use physics::terms::{Driver, Port};
 /// preferred to a heat flow that the model computes from it.
 pub fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>, near: f64) {
     let unnamed = |k: &usize| !candidates[*k].addition().is_listed();
-    for strange in [is_at_a_sensor as fn(&Addition) -> bool, follows_another_node, follows_a_heat] {
+    for strange in ODDITIES {
         let Some(first) = order.iter().position(unnamed) else { return };
         let best = &candidates[order[first]];
         if !strange(best.addition()) {
@@ -33,6 +33,8 @@ pub fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>, nea
     }
 }
 
+const ODDITIES: [fn(&Addition) -> bool; 3] = [is_at_a_sensor, follows_another_node, follows_a_heat];
+
 fn is_at_a_sensor(addition: &Addition) -> bool {
     is_sensor(addition.port)
 }
@@ -50,33 +52,81 @@ pub fn is_sensor(port: Port) -> bool {
     matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor | Port::TorqueSensor)
 }
 
-/// Among laws with the port and driver of the `k`-th candidate, the one with the smallest validation error. A power law has fewer numbers: a
-/// table has to be clearly better.
-pub fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize) -> usize {
-    let place = |c: &Candidate| (c.addition().port, c.addition().follows);
+/// Of the laws that explain nearly as much as the `k`-th candidate, the one that the validation runs prefer: the evidence of the fit runs cannot
+/// separate them, because the errors of the model are not noise.
+pub fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize, near: f64) -> usize {
     if let Some(law) = law_ahead(point, candidates, k) {
-        return best_predicting(point, candidates, law);
+        return best_predicting(point, candidates, law, near);
     }
     if candidates[k].addition().is_listed() {
         return k;
     }
-    let worth = |c: &Candidate| {
-        c.validation.unwrap_or(1.0) * if c.addition().is_table() { 1.0 + STRUCTURE } else { 1.0 }
-    };
+    let (sure, parts) = (candidates[k].sure(), parts(candidates[k].addition()));
     let mut best = k;
     for other in 0..candidates.len() {
-        let apart = candidates[k].sure() - candidates[other].sure();
-        let near = apart.abs() <= LEAD.max(STRUCTURE * candidates[k].sure().abs());
-        let same = place(&candidates[other]) == place(&candidates[k]);
         let own = &candidates[other];
-        if other == k || !same || !near || own.refused.is_some() || own.addition().is_listed() {
+        let is_rival = !own.addition().is_listed()
+            && own.refused.is_none()
+            && own.sure() > NEARLY * sure
+            && self::parts(own.addition()) <= parts;
+        if other == k || !is_rival || !candidates[other].judge(point) {
             continue;
         }
-        if candidates[other].judge(point) && worth(&candidates[other]) < worth(&candidates[best]) {
+        let [own, known] = [other, best].map(|k| &candidates[k]).map(Rival::of);
+        if own.is_better(&known, near) {
             best = other;
         }
     }
     best
+}
+
+/// A law that explains about as much as another one.
+struct Rival<'a> {
+    addition: &'a Addition,
+    sure: f64,
+    /// Ratio of validation errors with and without it.
+    foretold: f64,
+}
+
+impl Rival<'_> {
+    fn of<'a>(candidate: &'a Candidate) -> Rival<'a> {
+        let foretold = candidate.validation.unwrap_or(1.0);
+        Rival { addition: candidate.addition(), sure: candidate.sure(), foretold }
+    }
+
+    /// Whether the validation runs prefer it to another one: the same law in a form that predicts better (a power law has fewer numbers, so a
+    /// table has to be clearly better), a plainer law at the same port that predicts as well, a law at the same port that explains as
+    /// much (up to `near`) and predicts better, or any law that predicts far better.
+    fn is_better(&self, other: &Rival, near: f64) -> bool {
+        let (a, b) = (self.addition, other.addition);
+        if self.foretold < AHEAD * other.foretold {
+            return true;
+        }
+        if a.port != b.port {
+            return false;
+        }
+        let worth = |own: &Rival| own.foretold * if own.addition.is_table() { 1.0 + STRUCTURE } else { 1.0 };
+        if a.follows == b.follows {
+            return worth(self) < worth(other);
+        }
+        let (mine, its) = ((parts(a), oddity(a)), (parts(b), oddity(b)));
+        let is_plainer = mine < its;
+        (is_plainer && self.foretold < other.foretold * (1.0 + STRUCTURE))
+            || (mine.0 == its.0 && (self.sure - other.sure).abs() < near && self.foretold < other.foretold)
+    }
+}
+
+/// Number of parts of a law: drivers, and a lag.
+fn parts(addition: &Addition) -> usize {
+    match addition.follows {
+        Follows::Both(..) | Follows::Late(_) => 2,
+        _ => 1,
+    }
+}
+
+/// Number of reasons for which a law is less probable before any data ([`order_by_likelihood`]).
+fn oddity(addition: &Addition) -> usize {
+    ODDITIES.iter().filter(|is_odd| is_odd(addition)).count()
 }
 
 /// A listed effect at the port of a law that is accepted: it explains nearly as much (or as much up to `near`), and is predicted as well up to
@@ -119,4 +169,61 @@ fn law_ahead(point: &Linearization, candidates: &mut [Candidate], k: usize) -> O
     let law = candidates.iter().position(explains_more)?;
     let ahead = candidates[law].judge(point) && candidates[law].validation? < AHEAD * foretold;
     ahead.then_some(law)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hypothesis::Shape;
+    use physics::terms::Factor;
+
+    fn law(port: Port, follows: Follows) -> Addition {
+        let factor = Factor {
+            driver: Driver::Speed,
+            offset: 0.0,
+            reference: 1.0,
+            exponent: 1.0,
+            range: Factor::UNLIMITED,
+        };
+        Addition {
+            id: "generic_term".to_string(),
+            port,
+            follows,
+            shape: Shape::Power { factor },
+            numbers: Vec::new(),
+            active: Vec::new(),
+            late: None,
+        }
+    }
+
+    /// Laws with validation errors of these ratios: whether the first one is taken instead of the second.
+    fn wins(first: (Port, Follows, f64), second: (Port, Follows, f64), apart: f64) -> bool {
+        let (a, b) = (law(first.0, first.1), law(second.0, second.1));
+        let first = Rival { addition: &a, sure: 500.0 - apart, foretold: first.2 };
+        first.is_better(&Rival { addition: &b, sure: 500.0, foretold: second.2 }, 10.0)
+    }
+
+    #[test]
+    fn the_validation_runs_decide_between_laws_that_explain_as_much() {
+        use Driver::{Current, FrictionLoss, HousingTemperature, Speed, WindingTemperature};
+        use Port::{HeatCapacity, TerminalVoltage, WindingResistance, WindingSensor};
+        let of = Follows::Driver;
+        let both = Follows::Both(HousingTemperature, Current);
+        // Another port only if it predicts far better.
+        let voltage = (TerminalVoltage, both, 0.52);
+        assert!(wins((WindingResistance, of(WindingTemperature), 0.27), voltage, 40.0));
+        assert!(!wins((WindingResistance, of(WindingTemperature), 0.40), voltage, 40.0));
+        // One driver instead of two, its own node instead of the other one, a measured driver instead of a computed heat: as good is enough.
+        let two = (HeatCapacity, Follows::Both(HousingTemperature, Speed), 0.18);
+        assert!(wins((HeatCapacity, of(HousingTemperature), 0.183), two, 40.0));
+        assert!(!wins((HeatCapacity, of(HousingTemperature), 0.19), two, 40.0));
+        let winding = (WindingResistance, of(WindingTemperature), 0.5);
+        let housing = (WindingResistance, of(HousingTemperature), 0.5);
+        assert!(wins(winding, housing, 40.0) && !wins(housing, winding, 0.0));
+        let [heat, speed] = [FrictionLoss, Speed].map(|driver| (WindingSensor, Follows::Late(driver), 0.35));
+        assert!(wins(speed, heat, 40.0) && !wins(heat, speed, 0.0));
+        // Equally plain: the evidence decides unless it is about the same.
+        let lower = (HeatCapacity, Follows::Both(HousingTemperature, Current), 0.17);
+        assert!(wins(lower, two, 5.0) && !wins(lower, two, 40.0));
+    }
 }
