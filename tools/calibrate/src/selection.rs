@@ -19,7 +19,7 @@ use crate::search::{Scored, choice};
 use crate::setup::Setup;
 use gate::{Judged, gate};
 pub use gate::{acting, asked, predicts_where_it_acts};
-use preference::{best_predicting, listed_instead, order_by_likelihood};
+use preference::{best_predicting, is_part, listed_instead, order_by_likelihood};
 use rayon::prelude::*;
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
@@ -204,7 +204,7 @@ pub fn shares(deltas: &[f64]) -> impl Fn(f64) -> f64 + use<> {
 /// Fits and compares the best candidates scored at `point`, the model without any of them; their fits start at `start`. A candidate
 /// with which the model cannot be run is listed with the reason.
 pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
-    let chosen = choose(scored);
+    let chosen: Vec<&Scored> = choose(scored).into_iter().filter(|scored| !repeats(start, scored)).collect();
     let fitted: Vec<Result<Candidate<'a>, CalibrateError>> =
         chosen.par_iter().map(|scored| fitted(point, start, scored)).collect();
     let (mut candidates, mut failed) = (Vec::new(), Vec::new());
@@ -228,15 +228,13 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     let is_best_simple = first.is_none_or(is_simple);
     let near = LEAST.max(best * STRUCTURE);
     // A second driver is a further addition: it has to explain as much as one, and not only what is left by nearly the same law.
-    let is_part = |c: &Candidate, whole: &Candidate| {
-        matches!(whole.addition().follows, Follows::Both(..))
-            && matches!(c.addition().follows, Follows::Driver(own) if whole.addition().follows.drivers().any(|d| d == own))
-            && c.addition().port == whole.addition().port
+    let is_whole = |c: &Candidate, whole: &Candidate| {
+        is_part(c.addition(), whole.addition())
             && (c.sure() > NEARLY * best || best - c.sure() < asked(&c.point, &whole.point))
     };
     let stands = |c: &Candidate| {
         let is_preferred = c.addition().is_listed() || (!is_best_simple && is_simple(c));
-        is_preferred && (best - c.sure() < near || first.is_some_and(|whole| is_part(c, whole)))
+        is_preferred && (best - c.sure() < near || first.is_some_and(|whole| is_whole(c, whole)))
     };
     order.sort_by_key(|k| !stands(&candidates[*k]));
     order_by_likelihood(&candidates, &mut order, near);
@@ -270,6 +268,13 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     Round { candidates, taken, excuse: None, alike, failed }
 }
 
+/// Whether a law of the hypothesis is over the same driver at the same port: a second table only moves the values of the first, and neither is
+/// then determined.
+fn repeats(hypothesis: &Hypothesis, scored: &Scored) -> bool {
+    let same = |a: &Addition| !a.is_listed() && a.port == scored.port && a.follows == scored.follows;
+    !scored.listed && hypothesis.additions.iter().any(same)
+}
+
 /// The most promising candidates of each kind, with distinct effects, ports or drivers: ranked by evidence under both noise models, then
 /// by evidence for white noise, which assumes no sensor drift. If a large missing effect biases the parameters, one of the rankings is
 /// misleading.
@@ -300,6 +305,23 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
             }
         }
     }
+    // Whether the second driver of a law is needed is seen only beside the laws of one of them.
+    let pair = chosen.iter().find(|s| matches!(s.follows, Follows::Both(..)));
+    let parts: Vec<&Scored> = pair.map_or_else(Vec::new, |pair| {
+        let of = |driver| {
+            let is_part = |s: &&Scored| {
+                s.port == pair.port
+                    && s.follows == Follows::Driver(driver)
+                    && !s.listed
+                    && s.addition.is_some()
+            };
+            scored.iter().filter(is_part).max_by(|a, b| a.sure().total_cmp(&b.sure()))
+        };
+        pair.follows.drivers().filter_map(of).collect()
+    });
+    let is_new = |part: &&Scored| !chosen.iter().any(|c| std::ptr::eq(*c, *part));
+    let parts: Vec<&Scored> = parts.into_iter().filter(is_new).collect();
+    chosen.extend(parts);
     chosen
 }
 

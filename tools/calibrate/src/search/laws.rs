@@ -15,7 +15,7 @@ use super::{Scored, choice, scored, temperatures};
 use crate::evidence::Gain;
 use crate::experiment::Channel;
 use crate::hypothesis::{Addition, Axis, Number, Shape, place, power, values, weight};
-use crate::levels::NEARLY;
+use crate::levels::{NEARLY, PART};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::selection::LEAST;
@@ -31,8 +31,9 @@ const KNOTS_OF_TWO: usize = 5;
 const BEAM: usize = 4;
 /// A driver whose variation is less than this fraction of its size cannot determine a shape. Numerical: excludes constant drivers.
 const STILL: f64 = 0.01;
-/// Size of a temperature driver, K, relative to which its variation counts. Numerical: as for `STILL`.
-const TEMPERATURES: f64 = 20.0;
+/// Change of temperature in which a property changes by a factor e, K. Limit: of steep ones; Arrhenius' law with 40 kJ/mol has it at 50 degC,
+/// and greases are near. Over less than [`PART`] of it a law changes by less than structure error may.
+const STEEP: f64 = 20.0;
 /// Least distance of two knots as a fraction of the span. Numerical: the hat functions of closer knots are nearly collinear.
 const KNOT_APART: f64 = 0.02;
 /// Least reference value of a driver, in its unit. Numerical: avoids a division by zero.
@@ -56,11 +57,11 @@ fn knots_of(point: &Linearization, driver: Driver, count: usize) -> Option<Vec<f
     values.sort_by(f64::total_cmp);
     let (least, most) = (values[0], values[values.len() - 1]);
     let span = most - least;
-    let size = match driver {
-        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => TEMPERATURES,
-        _ => most.abs().max(least.abs()),
+    let enough = match driver {
+        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => PART * STEEP,
+        _ => STILL * most.abs().max(least.abs()),
     };
-    if span.is_nan() || span <= STILL * size {
+    if span.is_nan() || span <= enough {
         return None;
     }
     let mut all: Vec<f64> = Vec::new();

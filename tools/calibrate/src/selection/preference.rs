@@ -52,7 +52,7 @@ pub fn is_sensor(port: Port) -> bool {
     matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor | Port::TorqueSensor)
 }
 
-/// Of the laws that explain nearly as much as the `k`-th candidate, the one that the validation runs prefer: the evidence of the fit runs cannot
+/// Of the laws that explain nearly as much as the `k`-th candidate, and of its parts, the one that the validation runs prefer: the evidence of the fit runs cannot
 /// separate them, because the errors of the model are not noise.
 pub fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize, near: f64) -> usize {
     if let Some(law) = law_ahead(point, candidates, k) {
@@ -67,7 +67,7 @@ pub fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: u
         let own = &candidates[other];
         let is_rival = !own.addition().is_listed()
             && own.refused.is_none()
-            && own.sure() > NEARLY * sure
+            && (own.sure() > NEARLY * sure || is_part(own.addition(), candidates[k].addition()))
             && self::parts(own.addition()) <= parts;
         if other == k || !is_rival || !candidates[other].judge(point) {
             continue;
@@ -114,6 +114,14 @@ impl Rival<'_> {
         (is_plainer && self.foretold < other.foretold * (1.0 + STRUCTURE))
             || (mine.0 == its.0 && (self.sure - other.sure).abs() < near && self.foretold < other.foretold)
     }
+}
+
+/// Whether a law of one driver is a part of a law of two. The second driver is a further addition, which has to lower the validation error as
+/// any other: it may explain the fit runs by what differs between them.
+pub fn is_part(own: &Addition, whole: &Addition) -> bool {
+    matches!(whole.follows, Follows::Both(..))
+        && matches!(own.follows, Follows::Driver(driver) if whole.follows.drivers().any(|d| d == driver))
+        && own.port == whole.port
 }
 
 /// Number of parts of a law: drivers, and a lag.
@@ -225,5 +233,11 @@ mod tests {
         // Equally plain: the evidence decides unless it is about the same.
         let lower = (HeatCapacity, Follows::Both(HousingTemperature, Current), 0.17);
         assert!(wins(lower, two, 5.0) && !wins(lower, two, 40.0));
+        let [single, pair] = [of(Speed), two.1].map(|follows| law(HeatCapacity, follows));
+        assert!(
+            is_part(&single, &pair)
+                && !is_part(&pair, &pair)
+                && !is_part(&law(HeatCapacity, of(Current)), &pair)
+        );
     }
 }
