@@ -269,10 +269,11 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
 }
 
 /// Whether a law of the hypothesis is over the same driver at the same port: a second table only moves the values of the first, and neither is
-/// then determined.
+/// then determined. Two lags of a driver have a time constant each.
 fn repeats(hypothesis: &Hypothesis, scored: &Scored) -> bool {
     let same = |a: &Addition| !a.is_listed() && a.port == scored.port && a.follows == scored.follows;
-    !scored.listed && hypothesis.additions.iter().any(same)
+    let is_present = matches!(scored.follows, Follows::Driver(_));
+    !scored.listed && is_present && hypothesis.additions.iter().any(same)
 }
 
 /// The most promising candidates of each kind, with distinct effects, ports or drivers: ranked by evidence under both noise models, then
@@ -377,7 +378,8 @@ pub fn at_limit(addition: &Addition) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use physics::terms::{Driver, Port};
+    use crate::hypothesis::Shape;
+    use physics::terms::{Driver, Factor, Port};
 
     fn scored(name: &str, addition: Option<Addition>, evidence: f64) -> Scored {
         Scored {
@@ -404,6 +406,30 @@ mod tests {
         let names: Vec<&str> = choose(&all).into_iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names.iter().filter(|n| n.starts_with("windage")).count(), 2, "{names:?}");
         assert_eq!(names.len() - 2, CANDIDATES[0] - 1, "{names:?}");
+    }
+
+    /// Only a general law over the same driver at the same port is a repetition.
+    #[test]
+    fn a_second_law_over_the_same_driver_is_not_looked_for() {
+        let experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let listed = crate::testing::addition(&setup, "windage", 1e-8);
+        let factor = Factor {
+            driver: Driver::Speed,
+            offset: 0.0,
+            reference: 1.0,
+            exponent: 1.0,
+            range: Factor::UNLIMITED,
+        };
+        let law = Addition { shape: Shape::Power { factor }, ..listed.clone() };
+        let hypothesis = Hypothesis { additions: vec![law.clone()], ..setup.preset() };
+        let own = scored("drag_torque over speed", None, 80.0);
+        let other = Scored { follows: Follows::Driver(Driver::Current), ..own.clone() };
+        let repeated = Scored { port: law.port, follows: law.follows, ..own.clone() };
+        assert!(repeats(&hypothesis, &repeated) && !repeats(&hypothesis, &other));
+        assert!(!repeats(&hypothesis, &Scored { listed: true, ..repeated.clone() }));
+        let beside = Hypothesis { additions: vec![listed], ..setup.preset() };
+        assert!(!repeats(&beside, &repeated));
     }
 
     /// Probabilities of the candidates of a round and of the model without any add up to 1; a difference of 2 ln 2 in BIC doubles them.
