@@ -27,7 +27,7 @@ use crate::levels::{NEARLY, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::selection::NEAR;
-use laws::{of_two, powers, smooth};
+use laws::{of_two, powers, smooth, varies};
 use memory_terms::{FREE, histories, latent_inputs};
 pub use memory_terms::{best_memory_term, latent_input, latent_input_at, needs_memory};
 use physics::terms::{Driver, Port};
@@ -131,7 +131,7 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
         .flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d)))
         .filter(|(_, driver)| *driver != Driver::LoadTorque || point.setup.has_load())
         // A term can depend on a heat flow only through a lag.
-        .filter(|(_, driver)| !driver.is_heat())
+        .filter(|(_, driver)| !driver.is_heat() && varies(point, *driver))
         .collect();
     let mut shapes: Vec<(Port, Driver, Scored)> = jobs
         .par_iter()

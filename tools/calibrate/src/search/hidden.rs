@@ -5,7 +5,7 @@
 //! fit by simulation then estimates all parameters, including the time constant.
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
-use super::laws::{alike, coefficient, exponent, is_known, knots, number, scale, term, value};
+use super::laws::{alike, coefficient, exponent, is_known, knots, number, scale, term, value, varies};
 use super::{Scored, choice, scored};
 use crate::evidence::Gain;
 use crate::hypothesis::{Axis, Number, Shape, followed, hat, power};
@@ -68,7 +68,7 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
     let drivers: Vec<Driver> = Driver::ALL
         .iter()
         .copied()
-        .filter(|d| *d != Driver::Time && is_known(point, *d) && moves(*d))
+        .filter(|d| *d != Driver::Time && is_known(point, *d) && varies(point, *d) && moves(*d))
         .collect();
     let tried: Vec<(Driver, f64)> = drivers.iter().flat_map(|d| taus.iter().map(|tau| (*d, *tau))).collect();
     let late: Vec<Late> =

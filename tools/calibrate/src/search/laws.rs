@@ -52,16 +52,24 @@ pub(super) fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
     knots_of(point, driver, KNOTS)
 }
 
+fn is_temperature(driver: Driver) -> bool {
+    matches!(driver, Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature)
+}
+
+/// Whether a driver varies so much in the runs that a law can follow it: a temperature by [`PART`] of [`STEEP`].
+pub(super) fn varies(point: &Linearization, driver: Driver) -> bool {
+    let ends = |(a, b): (f64, f64), x: f64| (a.min(x), b.max(x));
+    let (least, most) = point.drivers().map(|d| d.of(driver)).fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    !is_temperature(driver) || most - least > PART * STEEP
+}
+
 fn knots_of(point: &Linearization, driver: Driver, count: usize) -> Option<Vec<f64>> {
     let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
     values.sort_by(f64::total_cmp);
     let (least, most) = (values[0], values[values.len() - 1]);
     let span = most - least;
-    let enough = match driver {
-        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => PART * STEEP,
-        _ => STILL * most.abs().max(least.abs()),
-    };
-    if span.is_nan() || span <= enough {
+    let size = if is_temperature(driver) { STEEP } else { most.abs().max(least.abs()) };
+    if span.is_nan() || span <= STILL * size {
         return None;
     }
     let mut all: Vec<f64> = Vec::new();
