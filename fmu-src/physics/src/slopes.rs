@@ -77,7 +77,8 @@ pub struct Slopes<'a> {
     pub base: &'a dyn Model,
     /// Another instance of the same model, which is changed.
     pub scratch: &'a mut dyn Model,
-    /// Whether every point is one that a step has reached: heat that a change of the heat capacities stores is then in the books.
+    /// Whether every point is one that a step has reached: the energy balance then excludes the heat that a change of
+    /// the heat capacities stores.
     pub reached: bool,
     /// Start time, s, if the knowns act through the initialization instead of the present state.
     pub restart: Option<f64>,

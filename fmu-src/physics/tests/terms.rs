@@ -56,7 +56,7 @@ fn power(driver: Driver, offset: f64, reference: f64, size: f64) -> Law {
     Law::Product(Product { coefficient: size, factors: [Some(factor), None, None] })
 }
 
-/// In the middle of a step of 2 s the speed, the current and the fan command of a bench rise from 0 to their greatest values, with a load.
+/// Temperatures after 2 s in which current, speed and fan command rise from 0 to their greatest values, in this number of steps, K.
 fn jump(term: GenericTerm, steps: u32) -> [f64; 2] {
     let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
     assert!(m.set_terms(&[term]));

@@ -126,13 +126,15 @@ pub fn temperatures(port: Port) -> Option<(Driver, Driver)> {
 pub fn search(point: &Linearization) -> Vec<Scored> {
     let per_number = point.per_number();
     let mut all = listed(point, per_number);
-    let jobs: Vec<(Port, Driver)> = Port::ALL
+    let drivers: Vec<Driver> = Driver::ALL
         .iter()
-        .flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d)))
-        .filter(|(_, driver)| *driver != Driver::LoadTorque || point.setup.has_load())
+        .copied()
+        .filter(|driver| *driver != Driver::LoadTorque || point.setup.has_load())
         // A term can depend on a heat flow only through a lag.
-        .filter(|(_, driver)| !driver.is_heat() && varies(point, *driver))
+        .filter(|driver| !driver.is_heat() && varies(point, *driver))
         .collect();
+    let jobs: Vec<(Port, Driver)> =
+        Port::ALL.iter().flat_map(|p| drivers.iter().map(move |d| (*p, *d))).collect();
     let mut shapes: Vec<(Port, Driver, Scored)> = jobs
         .par_iter()
         .filter_map(|(port, driver)| Some((*port, *driver, smooth(point, *port, *driver, per_number)?)))

@@ -378,8 +378,7 @@ pub fn at_limit(addition: &Addition) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::Shape;
-    use physics::terms::{Driver, Factor, Port};
+    use physics::terms::{Driver, Port};
 
     fn scored(name: &str, addition: Option<Addition>, evidence: f64) -> Scored {
         Scored {
@@ -414,14 +413,7 @@ mod tests {
         let experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
         let setup = Setup::new(&experiment, &[]).unwrap();
         let listed = crate::testing::addition(&setup, "windage", 1e-8);
-        let factor = Factor {
-            driver: Driver::Speed,
-            offset: 0.0,
-            reference: 1.0,
-            exponent: 1.0,
-            range: Factor::UNLIMITED,
-        };
-        let law = Addition { shape: Shape::Power { factor }, ..listed.clone() };
+        let law = crate::testing::law(listed.port, listed.follows);
         let hypothesis = Hypothesis { additions: vec![law.clone()], ..setup.preset() };
         let own = scored("drag_torque over speed", None, 80.0);
         let other = Scored { follows: Follows::Driver(Driver::Current), ..own.clone() };

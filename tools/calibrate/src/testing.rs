@@ -1,10 +1,11 @@
 //! Experiments with readings simulated by the model itself, for tests.
 
 use crate::experiment::Experiment;
-use crate::hypothesis::{Addition, Hypothesis};
+use crate::hypothesis::{Addition, Hypothesis, Shape};
+use crate::outcome::Follows;
 use crate::overrides::Override;
 use crate::setup::Setup;
-use physics::terms::GenericTerm;
+use physics::terms::{Factor, GenericTerm, Port};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -78,6 +79,21 @@ pub fn addition(setup: &Setup, id: &str, size: f64) -> Addition {
     let mut addition = listed.addition(setup, &[true]).unwrap();
     addition.numbers[0].value = size;
     addition
+}
+
+/// Linear law at a port, without numbers; `follows` is what is said of it.
+pub fn law(port: Port, follows: Follows) -> Addition {
+    let driver = follows.drivers().next().unwrap();
+    let factor = Factor { driver, offset: 0.0, reference: 1.0, exponent: 1.0, range: Factor::UNLIMITED };
+    Addition {
+        id: "generic_term".to_string(),
+        port,
+        follows,
+        shape: Shape::Power { factor },
+        numbers: Vec::new(),
+        active: Vec::new(),
+        late: None,
+    }
 }
 
 /// Random number generator; the sequence for a seed is the same on every machine.

@@ -33,6 +33,7 @@ pub fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>, nea
     }
 }
 
+/// Reasons for which a law is less probable before any data.
 const ODDITIES: [fn(&Addition) -> bool; 3] = [is_at_a_sensor, follows_another_node, follows_a_heat];
 
 fn is_at_a_sensor(addition: &Addition) -> bool {
@@ -52,8 +53,8 @@ pub fn is_sensor(port: Port) -> bool {
     matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor | Port::TorqueSensor)
 }
 
-/// Of the laws that explain nearly as much as the `k`-th candidate, and of its parts, the one that the validation runs prefer: the evidence of the fit runs cannot
-/// separate them, because the errors of the model are not noise.
+/// Of the laws that explain nearly as much as the `k`-th candidate, and of its parts, the one that the validation runs prefer: the evidence of
+/// the fit runs cannot separate them, because the errors of the model are not noise.
 pub fn best_predicting(point: &Linearization, candidates: &mut [Candidate], k: usize, near: f64) -> usize {
     if let Some(law) = law_ahead(point, candidates, k) {
         return best_predicting(point, candidates, law, near);
@@ -132,7 +133,7 @@ fn parts(addition: &Addition) -> usize {
     }
 }
 
-/// Number of reasons for which a law is less probable before any data ([`order_by_likelihood`]).
+/// Number of [`ODDITIES`] of a law.
 fn oddity(addition: &Addition) -> usize {
     ODDITIES.iter().filter(|is_odd| is_odd(addition)).count()
 }
@@ -182,27 +183,7 @@ fn law_ahead(point: &Linearization, candidates: &mut [Candidate], k: usize) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::Shape;
-    use physics::terms::Factor;
-
-    fn law(port: Port, follows: Follows) -> Addition {
-        let factor = Factor {
-            driver: Driver::Speed,
-            offset: 0.0,
-            reference: 1.0,
-            exponent: 1.0,
-            range: Factor::UNLIMITED,
-        };
-        Addition {
-            id: "generic_term".to_string(),
-            port,
-            follows,
-            shape: Shape::Power { factor },
-            numbers: Vec::new(),
-            active: Vec::new(),
-            late: None,
-        }
-    }
+    use crate::testing::law;
 
     /// Laws with validation errors of these ratios: whether the first one is taken instead of the second.
     fn wins(first: (Port, Follows, f64), second: (Port, Follows, f64), apart: f64) -> bool {
