@@ -4,9 +4,11 @@ use crate::{Outcome, mutants, product, shell, stages::Stages, tidy, venv, worksp
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Targets that are compiled for the tests: one set, so that no later stage compiles anything again. Benchmarks have no tests, and
-/// criterion takes as long to compile as all of ours.
-const TARGETS: [&str; 7] = ["--release", "--workspace", "--exclude", "bench", "--lib", "--bins", "--tests"];
+/// Members of the workspace that have tests. Benchmarks have none, and criterion takes as long to compile as all of ours.
+pub const MEMBERS: [&str; 3] = ["--workspace", "--exclude", "bench"];
+
+/// Targets that are compiled for the tests: one set, so that no later stage compiles anything again.
+const TARGETS: [&str; 4] = ["--release", "--lib", "--bins", "--tests"];
 
 /// Which tests of pytest, and which mutants.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -30,26 +32,19 @@ pub fn common(workspace: &Workspace, extent: Extent, stages: &mut Stages) {
     std::thread::scope(|scope| {
         // Packages come from the network while the compiler has the processors.
         let python = scope.spawn(|| venv::python(workspace, venv::TESTS));
-        let compiled = stages.run("compile", || shell::run(workspace.cargo(&["build"]).args(TARGETS)));
+        let compiled =
+            stages.run("compile", || shell::run(workspace.cargo(&["build"]).args(MEMBERS).args(TARGETS)));
         stages.run("tidy", || match extent {
             Extent::Everyday => tidy::sources(workspace),
             Extent::Full => tidy::run(workspace),
         });
         stages.keeping("cargo test", || {
             let mut command = workspace.cargo(&["test", "--no-fail-fast"]);
-            shell::run_keeping(command.args(TARGETS), is_cargo_closing)
+            shell::run_keeping(command.args(MEMBERS).args(TARGETS), is_cargo_closing)
         });
         stages.keeping("cargo test --doc", || {
-            let mut command = workspace.cargo(&[
-                "test",
-                "--no-fail-fast",
-                "--release",
-                "--workspace",
-                "--exclude",
-                "bench",
-                "--doc",
-            ]);
-            shell::run_keeping(&mut command, is_cargo_closing)
+            let mut command = workspace.cargo(&["test", "--no-fail-fast", "--release", "--doc"]);
+            shell::run_keeping(command.args(MEMBERS), is_cargo_closing)
         });
         let built = compiled && stages.run("archives", || product::archives(workspace));
         stages.keeping("pytest", || {

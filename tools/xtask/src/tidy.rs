@@ -3,6 +3,7 @@
 
 mod arrows;
 mod circles;
+mod features;
 mod lengths;
 mod modules;
 mod numbers;
@@ -17,6 +18,7 @@ const CHECKS: &[Check] = &[
     ("format", |w| shell::run(&mut w.cargo(&["fmt", "--all", "--check"]))),
     ("dependency arrows", arrows::check),
     ("import circles", circles::check),
+    ("features", features::check),
     ("file lengths", lengths::check),
     ("modules of tests", modules::check),
     ("numbers", numbers::check),
