@@ -61,7 +61,13 @@ pub struct Candidate<'a> {
 impl Candidate<'_> {
     /// Applies the acceptance tests; one that cannot be simulated in the validation runs is rejected. Result: whether it passes.
     fn judge(&mut self, before: &Linearization) -> bool {
-        let judged = gate(before, self).unwrap_or_else(|e| Judged::refused(format!("cannot be judged: {e}")));
+        self.judge_for(before, asked(before, &self.point))
+    }
+
+    /// The same with this decrease of the cost asked for.
+    fn judge_for(&mut self, before: &Linearization, asked: f64) -> bool {
+        let judged =
+            gate(before, self, asked).unwrap_or_else(|e| Judged::refused(format!("cannot be judged: {e}")));
         (self.validation, self.refused) = (judged.validation, judged.refused);
         self.is_hardly_better = judged.is_hardly_better;
         self.refused.is_none()
@@ -100,14 +106,16 @@ impl<'a> Round<'a> {
     }
 
     /// The candidate that explains most but has a greater validation error, if it explains a lot: another missing effect may cause the
-    /// validation error. A law that was accepted may stand in for both, if the candidate is an effect at its port.
+    /// validation error. A law that was accepted may stand in for both, if the candidate is an effect of the list, and is at its port or
+    /// explains clearly more.
     pub fn promising(&self) -> Option<usize> {
         let first = self.candidates.iter().position(|c| at_limit(c.addition()).is_none())?;
         let best = &self.candidates[first];
         let predicts_worse = best.validation.is_some_and(|ratio| ratio >= 1.0) && best.refused.is_some();
         let is_behind = self.winner().is_none_or(|taken| {
             let (own, other) = (best.addition(), taken.addition());
-            own.is_listed() && !other.is_listed() && own.port == other.port
+            let is_ahead = own.port == other.port || taken.sure() < NEARLY * best.sure();
+            own.is_listed() && !other.is_listed() && is_ahead
         });
         (predicts_worse && is_behind && best.sure() > DECISIVE).then_some(first)
     }
@@ -128,9 +136,10 @@ impl<'a> Round<'a> {
         self
     }
 
-    /// Whether the accepted candidate also passes the acceptance tests relative to an earlier model.
-    pub fn passes_beside(&self, point: &Linearization) -> bool {
-        self.winner().is_some_and(|c| gate(point, c).is_ok_and(|judged| judged.refused.is_none()))
+    /// Whether the accepted candidate, together with the one before it, passes the acceptance tests relative to the model without both.
+    pub fn passes_beside(&self, point: &Linearization, first: &Candidate) -> bool {
+        let rest = |both: &Candidate| asked(point, &both.point) - first.sure();
+        self.winner().is_some_and(|c| gate(point, c, rest(c)).is_ok_and(|judged| judged.refused.is_none()))
     }
 
     /// The same round with another linearization for the accepted candidate.
@@ -201,9 +210,8 @@ pub fn shares(deltas: &[f64]) -> impl Fn(f64) -> f64 + use<> {
     move |delta| weight(delta) / sum
 }
 
-/// Fits and compares the best candidates scored at `point`, the model without any of them; their fits start at `start`. A candidate
-/// with which the model cannot be run is listed with the reason.
-pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
+/// The candidates of a round, fitted.
+fn candidates<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
     let chosen: Vec<&Scored> = choose(scored).into_iter().filter(|scored| !repeats(start, scored)).collect();
     let fitted: Vec<Result<Candidate<'a>, CalibrateError>> =
         chosen.par_iter().map(|scored| fitted(point, start, scored)).collect();
@@ -215,11 +223,35 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
         }
     }
     candidates.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
-    let mut taken = None;
-    let mut alike = Vec::new();
     for candidate in &mut candidates {
         candidate.refused = at_limit(candidate.addition());
     }
+    Round { candidates, taken: None, excuse: None, alike: Vec::new(), failed }
+}
+
+/// The effect beside one that explains most, but predicts worse alone: of all candidates the one with the smallest validation error, a listed
+/// effect if it predicts as well up to structure error. Both together have to explain as much as one effect, so that [`LEAST`] is enough.
+pub fn companion<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
+    let mut round = candidates(point, start, scored);
+    let mut least = f64::INFINITY;
+    for (k, candidate) in round.candidates.iter_mut().enumerate() {
+        if candidate.refused.is_some() || !candidate.judge_for(point, LEAST) {
+            continue;
+        }
+        let law = if candidate.addition().is_listed() { 1.0 } else { 1.0 + STRUCTURE };
+        if let Some(worth) = candidate.validation.map(|ratio| law * ratio).filter(|worth| *worth < least) {
+            (least, round.taken) = (worth, Some(k));
+        }
+    }
+    round
+}
+
+/// Fits and compares the best candidates scored at `point`, the model without any of them; their fits start at `start`. A candidate
+/// with which the model cannot be run is listed with the reason.
+pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
+    let Round { mut candidates, failed, .. } = candidates(point, start, scored);
+    let mut taken = None;
+    let mut alike = Vec::new();
     // A listed effect is preferred to a shape that explains little more, and a law of one driver to one of two or with an additional state.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
     let first = order.first().map(|k| &candidates[*k]);

@@ -7,7 +7,7 @@ use crate::levels::{LEAD, NEARLY};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, search};
-use crate::selection::{Candidate, LEAST, NEAR, Round, asked, compete, predicts_where_it_acts};
+use crate::selection::{Candidate, LEAST, NEAR, Round, asked, companion, compete, predicts_where_it_acts};
 use physics::terms::MOST_TERMS;
 
 /// Largest number of passes over all additions. Numerical: a pass without a change is the last.
@@ -81,8 +81,8 @@ impl<'a> Search<'a> {
             self.scored.push(scored);
             return true;
         }
-        let second = compete(&point, &point.fitted.hypothesis, &scored);
-        if !second.passes_beside(self.point()) {
+        let second = companion(&point, &point.fitted.hypothesis, &scored);
+        if !second.passes_beside(self.point(), &round.candidates[k]) {
             return self.push(round);
         }
         self.rounds.push(

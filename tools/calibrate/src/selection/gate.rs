@@ -34,10 +34,9 @@ impl Judged {
     }
 }
 
-/// Applies the acceptance tests.
-pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, CalibrateError> {
+/// Applies the acceptance tests; `asked` is the decrease of the cost that is asked for.
+pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result<Judged, CalibrateError> {
     let (white, raw) = candidate.delta;
-    let asked = asked(before, &candidate.point);
     if candidate.sure() <= asked {
         let sentence = format!(
             "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {asked} is asked for, because \
