@@ -45,7 +45,7 @@ SIGNS = {
     "stator_node": "???-",
     **dict.fromkeys(("demagnetisation", "saturation"), "--00"),
     **dict.fromkeys(("winding_sensor_offset", "winding_sensor_pickup"), "00+0"),
-    "winding_sensor_stem_loss": "00-0",
+    **dict.fromkeys(("winding_sensor_stem_loss", "winding_sensor_lag"), "00-0"),
     "housing_sensor_offset": "000+",
     **dict.fromkeys(("housing_sensor_stem_loss", "housing_sensor_lag"), "000-"),
 }

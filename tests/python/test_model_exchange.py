@@ -30,6 +30,7 @@ EFFECTS = {
     "effect.interface_temperature.beta": 0.004,
     "effect.ambient_drift.rate": 0.01,
     "effect.housing_sensor_lag.tau": 20.0,
+    "effect.winding_sensor_lag.tau": 6.0,
     "effect.housing_sensor_stem_loss.k": 0.06,
     "effect.stator_node.C_s": 20.0,
 }
@@ -148,7 +149,7 @@ def test_fmpy_finds_nothing(model, fmi):
     assert validate_fmu(path) == []
     description = read_model_description(path)
     states = [u.variable.derivative for u in description.derivatives]
-    count = {MOTOR: 25, GEARMOTOR: 12, ACTUATOR: 8, GAIT: 2}[model]
+    count = {MOTOR: 26, GEARMOTOR: 12, ACTUATOR: 8, GAIT: 2}[model]
     assert sum(map(width, states)) == description.numberOfContinuousStates == count
     for unknown, state in zip(description.derivatives, states):
         assert unknown.variable.name == f"der({state.name})"

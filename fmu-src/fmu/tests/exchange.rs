@@ -162,9 +162,14 @@ fn unused_states_are_constant() {
     // A lag that is switched on at an event makes the sensor temperature a state, and the FMU reports changed values.
     me.enter_event().ok();
     assert!(!me.update().0);
-    assert_eq!(me.set("effect.housing_sensor_lag.tau", 5.0), Status::Ok);
-    assert!(me.update().0, "values changed");
-    assert_eq!(me.get("state.sensor_temperature"), me.get("state.core_temperature"));
+    for (effect, sensor, node) in [
+        ("housing_sensor_lag", "sensor_temperature", "core_temperature"),
+        ("winding_sensor_lag", "winding_sensor_temperature", "winding_temperature"),
+    ] {
+        assert_eq!(me.set(&format!("effect.{effect}.tau"), 5.0), Status::Ok);
+        assert!(me.update().0, "values changed");
+        assert_eq!(me.get(&format!("state.{sensor}")), me.get(&format!("state.{node}")));
+    }
 }
 
 #[test]

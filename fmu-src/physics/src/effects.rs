@@ -75,6 +75,7 @@ mod stator_node;
 mod torque_sensor_offset;
 mod viscous_friction;
 mod windage;
+mod winding_sensor_lag;
 mod winding_sensor_offset;
 mod winding_sensor_stem_loss;
 
@@ -272,7 +273,9 @@ effects! {
     torque_sensor_offset: TorqueSensorOffset @ "effect.torque_sensor_offset." 1260 at TorqueSensor;
     // The order of the sensor effects matters: the stem loss is a fraction of the true rise over ambient.
     /// First-order lag of the housing temperature sensor.
-    housing_sensor_lag: HousingSensorLag @ "effect.housing_sensor_lag." 1130 at HousingSensorLag;
+    housing_sensor_lag: HousingSensorLag @ "effect.housing_sensor_lag." 1130 at SensorLag;
+    /// First-order lag of the winding temperature sensor.
+    winding_sensor_lag: WindingSensorLag @ "effect.winding_sensor_lag." 1300 at SensorLag;
     /// Stem conduction error of the winding temperature sensor.
     winding_sensor_stem_loss: WindingSensorStemLoss @ "effect.winding_sensor_stem_loss." 1140 at WindingSensor;
     /// Stem conduction error of the housing temperature sensor.

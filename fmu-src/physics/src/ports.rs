@@ -71,13 +71,12 @@ macro_rules! ports {
         [AmbientSensor as AmbientSensor "ambient_sensor" Kelvin] sum ambient_sensor [] () -> f64, derivative [];
         /// Difference of the true ambient temperature to the indicated one, without drift, K.
         [] sum ambient_offset [] () -> f64, derivative [];
-        /// Time constant of the housing sensor, s.
-        [HousingSensorLag] sum housing_sensor_lag [] () -> f64, derivative [];
-        /// Indicated winding temperature at the true temperature `t` with ambient at `t_a`, K.
+        /// Time constants of the sensors of winding and housing, s.
+        [SensorLag] sum sensor_lag [] () -> PerNode, derivative [];
+        /// Indicated winding temperature at the temperature `t` (lag included) with ambient at `t_a`, K.
         [WindingSensor as WindingSensor "winding_sensor" Kelvin]
             chain winding_sensor [] (t: f64, t_a: f64) -> f64, derivative [];
-        /// Indicated housing temperature at the temperature `t` (lag included) with ambient at
-        /// `t_a`, K.
+        /// Indicated housing temperature at the temperature `t` (lag included) with ambient at `t_a`, K.
         [HousingSensor as HousingSensor "housing_sensor" Kelvin]
             chain housing_sensor [] (t: f64, t_a: f64) -> f64, derivative [];
         /// Indicated torque at the shaft torque `tau`, N.m, on the load.

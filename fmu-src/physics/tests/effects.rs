@@ -167,10 +167,11 @@ fn the_room_runs_away_from_what_is_shown() {
     close(output(&mut m, "housing_temperature"), 298.15 + 40.1 - 0.159_45 / 0.1351, 1e-6);
 }
 
-/// The housing's sensor lags, then loses along its stem, then is off by a constant; nothing else feels it.
+/// Each sensor lags, then loses along its stem, then is off by a constant; nothing else feels it.
 #[test]
 fn the_sensors_show_what_they_show() {
     let (mut plain, mut sensed) = (heating(), heating());
+    sensed.parameters.effects.winding_sensor_lag.tau = 7.0;
     sensed.parameters.effects.housing_sensor_lag.tau = 30.0;
     sensed.parameters.effects.housing_sensor_stem_loss.k = 0.1;
     sensed.parameters.effects.housing_sensor_offset.offset = 2.0;
@@ -181,46 +182,53 @@ fn the_sensors_show_what_they_show() {
     sensed.start(100.0).unwrap();
     plain.start(100.0).unwrap();
     close(output(&mut sensed, "housing_temperature"), 298.25 + 2.0, 1e-12);
-    // The lag by a thousand times as many steps of the trapezoidal rule, in a motor that takes fifty times as many.
-    let (mut lagged, mut fine) = (298.25, plain.clone());
+    // The lags by a thousand times as many steps of the trapezoidal rule, in a motor that takes fifty times as many.
+    const SENSORS: [(&str, f64); 2] = [("winding_temperature", 7.0), ("housing_temperature", 30.0)];
+    let (mut lagged, mut fine) = ([298.25; 2], plain.clone());
     for _ in 0..60 {
         plain.step(plain.time(), 1.0).unwrap();
         sensed.step(sensed.time(), 1.0).unwrap();
         for _ in 0..50 {
-            let t_before = output(&mut fine, "housing_temperature");
+            let before = SENSORS.map(|(name, _)| output(&mut fine, name));
             fine.step(fine.time(), 0.02).unwrap();
-            let t_after = output(&mut fine, "housing_temperature");
-            for k in 0..20 {
-                let t = t_before + (t_after - t_before) * (f64::from(k) + 0.5) / 20.0;
-                lagged += (t - lagged) * 1e-3 / 30.0 / (1.0 + 0.5e-3 / 30.0);
+            for ((lagged, before), (name, tau)) in lagged.iter_mut().zip(before).zip(SENSORS) {
+                let after = output(&mut fine, name);
+                for k in 0..20 {
+                    let t = before + (after - before) * (f64::from(k) + 0.5) / 20.0;
+                    *lagged += (t - *lagged) * 1e-3 / tau / (1.0 + 0.5e-3 / tau);
+                }
             }
         }
     }
     assert_eq!(plain.state(), sensed.state(), "a sensor changes nothing");
-    let (t_w, t_a) = (output(&mut plain, "winding_temperature"), 298.15 + 0.16);
-    close(output(&mut sensed, "winding_temperature"), t_w - 0.05 * (t_w - t_a) - 3.0, 1e-10);
-    close(output(&mut sensed, "housing_temperature"), lagged - 0.1 * (lagged - t_a) + 2.0, 1e-6);
+    let ([t_w, t_h], t_a) = (lagged, 298.15 + 0.16);
+    close(output(&mut sensed, "winding_temperature"), t_w - 0.05 * (t_w - t_a) - 3.0, 1e-5);
+    close(output(&mut sensed, "housing_temperature"), t_h - 0.1 * (t_h - t_a) + 2.0, 1e-6);
     for name in ["winding_margin", "over_temperature", "winding_resistance", "stator_temperature"] {
         assert_eq!(output(&mut plain, name).to_bits(), output(&mut sensed, name).to_bits(), "{name}");
     }
 }
 
-/// What the sensor has reached is saved, and a start forgets it.
+/// What the sensors have reached is saved, and a start forgets it.
 #[test]
 fn the_lag_is_part_of_the_state() {
     let mut m = heating();
+    m.parameters.effects.winding_sensor_lag.tau = 9.0;
     m.parameters.effects.housing_sensor_lag.tau = 30.0;
+    let shown = |m: &mut AnnulusCooledMotor| {
+        ["winding_temperature", "housing_temperature"].map(|name| output(m, name).to_bits())
+    };
     m.start(0.0).unwrap();
     let minute = |m: &mut AnnulusCooledMotor| {
         (0..60).for_each(|_| m.step(m.time(), 1.0).unwrap());
-        output(m, "housing_temperature").to_bits()
+        shown(m)
     };
     let first = minute(&mut m);
     let mut saved = Vec::new();
     m.save(&mut saved);
     let second = minute(&mut m);
     assert!(m.restore(&saved));
-    assert_eq!(output(&mut m, "housing_temperature").to_bits(), first);
+    assert_eq!(shown(&mut m), first);
     assert_eq!(minute(&mut m), second);
     m.start(0.0).unwrap();
     assert_eq!(minute(&mut m), first);
@@ -332,6 +340,7 @@ fn every_effect_of_the_contract_is_declared_and_neutral() {
         ("demagnetisation", &["fraction", "time"]),
         ("ambient_drift", &["rate"]),
         ("housing_sensor_lag", &["tau"]),
+        ("winding_sensor_lag", &["tau"]),
         ("winding_sensor_offset", &["offset"]),
         ("housing_sensor_offset", &["offset"]),
         ("winding_sensor_stem_loss", &["k"]),
@@ -358,7 +367,7 @@ fn every_effect_of_the_contract_is_declared_and_neutral() {
     assert_eq!(effects.housing_to_ambient(400.0f64, 300.0), 0.0);
     assert_eq!((effects.fan_flow(0.7), effects.ambient_sensor(), effects.drive_loss()), (0.7, 0.0, 0.0));
     assert_eq!((effects.winding_sensor(400.0, 300.0), effects.housing_sensor(400.0, 300.0)), (400.0, 400.0));
-    assert_eq!((effects.housing_sensor_lag(), effects.iron_drag(300.0)), (0.0, 0.0));
+    assert_eq!((effects.sensor_lag(), effects.iron_drag(300.0)), (PerNode::default(), 0.0));
 }
 
 /// A term: a coefficient times |(driver - offset) / reference|^exponent.

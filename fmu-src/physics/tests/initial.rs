@@ -23,7 +23,7 @@ fn set(m: &mut dyn Model, name: &str, value: f64) {
 type Pair = (&'static str, &'static str);
 
 /// Initial values and the states that they belong to; the housing is one segment, or the core where it has none.
-const OF_MOTOR: [Pair; 9] = [
+const OF_MOTOR: [Pair; 10] = [
     ("initial.current", "state.current"),
     ("initial.shaft_speed", "state.shaft_speed"),
     ("initial.shaft_angle", "state.shaft_angle"),
@@ -32,6 +32,7 @@ const OF_MOTOR: [Pair; 9] = [
     ("initial.magnet_temperature", "state.rotor_temperature"),
     ("initial.tube_temperature", "state.tube_temperature"),
     ("initial.sensor_temperature", "state.sensor_temperature"),
+    ("initial.winding_sensor_temperature", "state.winding_sensor_temperature"),
     ("initial.housing_temperature", "T_housing[1]"),
 ];
 

@@ -173,6 +173,11 @@ def drive_loss(x, share):
     return -share * x.drive
 
 
+@known("winding_sensor", "history", "tau dT/dt = T_w - T", tau=(4.0, 15.0), filter=lagged)
+def winding_sensor_lag(x, tau):
+    return 0.0
+
+
 # --- in no list
 
 

@@ -27,7 +27,7 @@ TRUE_OF = {
     "fan_exponent": (("fan_flow", "housing_ambient_conductance"), ("fan_exponent",)),
     "grease": (("drag_torque",), ("lubricant_friction",)),
     "sensor_seat": (("winding_sensor", "housing_sensor"), ("winding_sensor_stem_loss", "housing_sensor_stem_loss")),
-    "sensor_lag": (("winding_sensor", "housing_sensor"), ("housing_sensor_lag",)),
+    "sensor_lag": (("winding_sensor", "housing_sensor"), ("winding_sensor_lag", "housing_sensor_lag")),
     "moved": (("winding_sensor", "housing_sensor"), ("winding_sensor_offset", "housing_sensor_offset")),
 }
 LARGEST = 5.0  # sigma of the sensors

@@ -220,7 +220,7 @@ fn a_whole_number_is_an_integer_in_both_standards() {
 
 #[test]
 fn the_gearmotor_depends_on_no_effect_of_fan_or_power_input() {
-    const IDLE: [&str; 8] = [
+    const IDLE: [&str; 9] = [
         "fan_back_pressure",
         "drive_loss",
         "pwm_ripple",
@@ -228,6 +228,7 @@ fn the_gearmotor_depends_on_no_effect_of_fan_or_power_input() {
         "dead_time",
         "stator_node",
         "housing_sensor_lag",
+        "winding_sensor_lag",
         "generic_term",
     ];
     let kind = models::by_name("BrushedGearmotor").unwrap();

@@ -16,6 +16,7 @@ pub fn busy(kind: &ModelType) -> Vec<(&'static str, f64)> {
             ("cooling_mode", shortened(4, 1) as f64),
             ("commutation", 3.0),
             ("effect.housing_sensor_lag.tau", 7.0),
+            ("effect.winding_sensor_lag.tau", 3.0),
             ("effect.coulomb_friction.tau_c", 0.01),
         ],
         "BrushedGearmotor" => vec![("duty", 0.6), ("load_torque", 0.2), ("effect.contact_drop.V_b", 0.3)],

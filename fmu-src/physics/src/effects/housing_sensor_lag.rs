@@ -2,8 +2,7 @@
 //!
 //! tau dy/dt = T_h - y                                                                      (1)
 //!
-//! y is the reading of the sensor; it starts at the ambient temperature, as every node. The solution is in
-//! components/sensor.rs.
+//! y is the reading of the sensor; it starts at the temperature of the housing. The solution is in components/sensor.rs.
 //! *Assumes* a sensor of one heat capacity behind one resistance. *Neglects* the heat that it draws from the housing.
 //! *Sign*: tau > 0 indicates too low a temperature while the housing warms up. *Range*: tau >= 0; 0 is no lag.
 //! *Source*: first-order response of a contact thermometer, VDI/VDE 3522-1.
@@ -27,8 +26,8 @@ impl Effect for HousingSensorLag {
     const EXAMPLE: &'static [f64] = &[20.0];
 
     #[inline]
-    fn housing_sensor_lag(&self) -> f64 {
-        self.tau
+    fn sensor_lag(&self) -> PerNode {
+        PerNode { winding: 0.0, housing: self.tau }
     }
 }
 
@@ -38,7 +37,8 @@ mod tests {
 
     #[test]
     fn the_time_constant_is_the_time_constant() {
-        assert_eq!(HousingSensorLag { tau: 30.0 }.housing_sensor_lag(), 30.0);
-        assert_eq!(HousingSensorLag::default().housing_sensor_lag(), 0.0);
+        let lag = PerNode { winding: 0.0, housing: 30.0 };
+        assert_eq!(HousingSensorLag { tau: 30.0 }.sensor_lag(), lag);
+        assert_eq!(HousingSensorLag::default().sensor_lag(), PerNode::default());
     }
 }

@@ -260,14 +260,22 @@ impl AnnulusCooledMotor {
         self.own.network.as_ref().map_or(self.own.state.temperature[1], Network::housing_temperature)
     }
 
-    /// Advances the housing sensor over a step of `h` seconds; `before` is the housing temperature at its start, K. With a network, the
-    /// temperature is linear in time.
-    pub(super) fn follow_sensor(&mut self, before: f64, h: f64) {
-        let tau = self.parameters.effects.housing_sensor_lag();
-        let after = self.housing_temperature();
-        let middle =
-            if self.own.network.is_some() { 0.5 * (before + after) } else { self.middle_of(1, before, h) };
-        self.own.t_sensor = lagged(self.own.t_sensor, tau, [before, middle, after], h);
+    /// Advances the sensors over the last integration step, of `h` seconds; `before` are the temperatures of their nodes at its start, K. With
+    /// a network, that of the housing is linear in time.
+    pub(super) fn follow_sensors(&mut self, before: PerNode, h: f64) {
+        let (lag, after) = (self.parameters.effects.sensor_lag(), self.sensed());
+        let middle = PerNode {
+            winding: self.middle_of(0, before.winding, h),
+            housing: match self.own.network.is_some() {
+                true => 0.5 * (before.housing + after.housing),
+                false => self.middle_of(1, before.housing, h),
+            },
+        };
+        let shown = &mut self.own.sensors;
+        shown.winding =
+            lagged(shown.winding, lag.winding, [before.winding, middle.winding, after.winding], h);
+        shown.housing =
+            lagged(shown.housing, lag.housing, [before.housing, middle.housing, after.housing], h);
     }
 
     /// Sets the initial state; nodes without an initial value start at `ambient`, K.
@@ -288,8 +296,14 @@ impl AnnulusCooledMotor {
             let [rotor, tube] = [i.magnet_temperature, i.tube_temperature].map(|t| temperature(t, ambient));
             network.put_temperatures(rotor, housing, tube);
         }
-        let lags = self.parameters.effects.housing_sensor_lag() > 0.0;
-        self.own.t_sensor = if lags { temperature(i.sensor_temperature, housing) } else { housing };
+        let lag = self.parameters.effects.sensor_lag();
+        let shown =
+            |lags: bool, initial: f64, node: f64| if lags { temperature(initial, node) } else { node };
+        let winding = self.own.state.temperature[0];
+        self.own.sensors = PerNode {
+            winding: shown(lag.winding > 0.0, i.winding_sensor_temperature, winding),
+            housing: shown(lag.housing > 0.0, i.sensor_temperature, housing),
+        };
         Motor::follow_inputs(self);
     }
 }

@@ -23,6 +23,9 @@ variables! {
         /// Initial temperature of a lagging housing sensor (effect.housing_sensor_lag); 0 K = initial temperature of the
         /// housing
         sensor_temperature: f64 = Variable::initial_temperature(5, &[]),
+        /// Initial temperature of a lagging winding sensor (effect.winding_sensor_lag); 0 K = initial temperature of the
+        /// winding
+        winding_sensor_temperature: f64 = Variable::initial_temperature(9, &[]),
         /// Initial current (drive_mode voltage and pwm)
         current: f64 = Variable::fixed(6, 0.0, Unit::Ampere, -1e4, 1e4).nominal(5.0),
         /// Initial speed of the shaft (mechanical_mode free_shaft)
@@ -41,6 +44,7 @@ impl Initial {
             ("initial.housing_temperature", self.housing_temperature),
             ("initial.tube_temperature", self.tube_temperature),
             ("initial.sensor_temperature", self.sensor_temperature),
+            ("initial.winding_sensor_temperature", self.winding_sensor_temperature),
         ];
         first_outside(limits, ("initial.winding_temperature", self.winding_temperature), &others)
     }

@@ -28,8 +28,8 @@ pub struct Motor {
     /// Fan command and its conductance, cached: the power function takes half the time of a step.
     pub(super) fan: (f64, PerNode),
     pub(super) state: State<NODES>,
-    /// Temperature of the housing sensor, K.
-    pub(super) t_sensor: f64,
+    /// Temperatures of the sensors, K.
+    pub(super) sensors: PerNode,
     /// State of each term's lag, in the unit of its driver.
     pub(super) term_lags: [f64; MOST_TERMS],
     /// Mean of each over the last step; the next step does not depend on it.
@@ -49,7 +49,8 @@ pub struct Motor {
     pub(super) fault: Option<String>,
 }
 
-saved!(Motor { t_sensor, t_start, capacity_factor, term_lags, stored_at_start, state, split, phases });
+saved!(PerNode { winding, housing });
+saved!(Motor { sensors, t_start, capacity_factor, term_lags, stored_at_start, state, split, phases });
 
 /// Discrete states in Model Exchange.
 #[derive(Clone, Copy, Debug)]
@@ -202,7 +203,7 @@ impl Equations<ALL> for Motor {
             constants: Constants::of(parameters),
             fan: (f64::NAN, PerNode::default()),
             state: State::default(),
-            t_sensor: 0.0,
+            sensors: PerNode::default(),
             term_lags: [0.0; MOST_TERMS],
             mean_lags: [0.0; MOST_TERMS],
             t_start: 0.0,
@@ -265,8 +266,8 @@ impl Equations<ALL> for Motor {
             WINDING_SENSOR | HOUSING_SENSOR if !effects.acts_at(Port::Any) => {
                 let ambient = run.ambient(run.time).start;
                 Some(match row {
-                    WINDING_SENSOR => effects.winding_sensor(state.temperature[0], ambient),
-                    _ => effects.housing_sensor(run.own.t_sensor, ambient),
+                    WINDING_SENSOR => effects.winding_sensor(run.own.sensors.winding, ambient),
+                    _ => effects.housing_sensor(run.own.sensors.housing, ambient),
                 })
             }
             _ => None,
@@ -334,10 +335,14 @@ impl Equations<ALL> for Motor {
         run.put_state(k, value);
     }
 
-    /// Without lag the sensor has the temperature of the housing.
+    /// Without lag a sensor has the temperature of its node.
     fn follow_states(run: &mut AnnulusCooledMotor) {
-        if !run.lags() {
-            run.own.t_sensor = run.housing_temperature();
+        let (lag, sensed) = (run.parameters.effects.sensor_lag(), run.sensed());
+        if lag.winding == 0.0 {
+            run.own.sensors.winding = sensed.winding;
+        }
+        if lag.housing == 0.0 {
+            run.own.sensors.housing = sensed.housing;
         }
     }
 

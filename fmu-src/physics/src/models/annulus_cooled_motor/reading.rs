@@ -7,7 +7,8 @@ use super::equations::{Constants, Step};
 use super::motor::AnnulusCooledMotor;
 use super::network::Network;
 use super::state_list::{
-    ALL, ANGLE, All, CORE, CURRENT, ENERGIES, HOUSING, LAGS, PHASES, ROTOR, SENSOR, SPEED, TUBE, WINDING,
+    ALL, ANGLE, All, CORE, CURRENT, ENERGIES, HOUSING, HOUSING_SENSOR, LAGS, PHASES, ROTOR, SPEED, TUBE,
+    WINDING, WINDING_SENSOR,
 };
 use super::variables::Outputs;
 use crate::effects::{PerNode, Port};
@@ -64,7 +65,7 @@ impl AnnulusCooledMotor {
 impl Reading<'_> {
     pub(super) fn outputs(&self) -> Outputs {
         let own = &self.run.own;
-        let mut outputs = self.step.outputs(&own.state, own.t_sensor, &own.phases);
+        let mut outputs = self.step.outputs(&own.state, &own.sensors, &own.phases);
         if let Some(pre) = &self.run.pre {
             outputs.over_temperature = pre.discrete.over_temperature;
         }
@@ -116,9 +117,12 @@ impl Reading<'_> {
             let n = network.body.segments;
             all[HOUSING..HOUSING + n].copy_from_slice(&rates[2..2 + n]);
         }
-        if run.lags() {
-            let tau = run.parameters.effects.housing_sensor_lag();
-            all[SENSOR] = (run.housing_temperature() - run.own.t_sensor) / tau;
+        let (lag, sensed, sensors) = (run.parameters.effects.sensor_lag(), run.sensed(), run.own.sensors);
+        if lag.winding > 0.0 {
+            all[WINDING_SENSOR] = (sensed.winding - sensors.winding) / lag.winding;
+        }
+        if lag.housing > 0.0 {
+            all[HOUSING_SENSOR] = (sensed.housing - sensors.housing) / lag.housing;
         }
         if run.parameters.effects.has_lags() {
             let sources = run.lag_sources_with(|| step.heat_flows(&run.own.state));

@@ -25,6 +25,8 @@ states! {
         "state.tube_temperature" = State::new(707, 807, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of a lagging housing sensor (effect.housing_sensor_lag); else constant
         "state.sensor_temperature" = State::new(708, 808, Unit::Kelvin).nominal(300.0, 0.1),
+        /// Temperature of a lagging winding sensor (effect.winding_sensor_lag); else constant
+        "state.winding_sensor_temperature" = State::new(709, 809, Unit::Kelvin).nominal(300.0, 1.0),
         /// Excess of each phase over the mean winding temperature; constant in commutation equivalent_dc
         "state.phase_excess" = State::new(710, 810, Unit::Kelvin).difference().elements(Elements::Fixed(3)),
         /// Energy supplied since the start: at the terminals, and as heat_power
@@ -49,10 +51,11 @@ pub(super) const WINDING: usize = 3;
 pub(super) const CORE: usize = 4;
 pub(super) const ROTOR: usize = 5;
 pub(super) const TUBE: usize = 6;
-pub(super) const SENSOR: usize = 7;
-pub(super) const PHASES: usize = 8;
-pub(super) const ENERGIES: usize = 11;
-pub(super) const LAGS: usize = 14;
+pub(super) const HOUSING_SENSOR: usize = 7;
+pub(super) const WINDING_SENSOR: usize = 8;
+pub(super) const PHASES: usize = 9;
+pub(super) const ENERGIES: usize = 12;
+pub(super) const LAGS: usize = 15;
 pub(super) const HOUSING: usize = LAGS + MOST_TERMS;
 /// Number of states, including all segments.
 pub const ALL: usize = HOUSING + SEGMENTS;

@@ -1,14 +1,16 @@
 //! The continuous states: values, and which of them are in use; `reading.rs` has their derivatives.
 //!
 //! The list in `state_list.rs` is the same in every mode. A state that a mode does not use is constant: current or speed
-//! if an input imposes it, absent network nodes, a housing sensor without lag, phases that share the current evenly.
+//! if an input imposes it, absent network nodes, a sensor without lag, phases that share the current evenly.
 
 use super::motor::AnnulusCooledMotor;
 use super::state_list::{
-    ANGLE, All, CORE, CURRENT, ENERGIES, HOUSING, LAGS, PHASES, ROTOR, SENSOR, SPEED, TUBE, WINDING,
+    ANGLE, All, CORE, CURRENT, ENERGIES, HOUSING, HOUSING_SENSOR, LAGS, PHASES, ROTOR, SPEED, TUBE, WINDING,
+    WINDING_SENSOR,
 };
 use super::variables::{DriveMode, MechanicalMode};
 use crate::components::commutation::Commutation;
+use crate::effects::PerNode;
 
 impl AnnulusCooledMotor {
     /// Scale of a lag state.
@@ -16,8 +18,9 @@ impl AnnulusCooledMotor {
         self.parameters.effects.lag(k).map_or(1.0, |lag| lag.driver.nominal())
     }
 
-    pub(super) fn lags(&self) -> bool {
-        self.parameters.effects.housing_sensor_lag() > 0.0
+    /// Temperature of the node that each sensor is on, winding and housing, K.
+    pub(super) fn sensed(&self) -> PerNode {
+        PerNode { winding: self.own.state.temperature[0], housing: self.housing_temperature() }
     }
 
     /// Index of a state among the temperatures of the network ([`Body::nodes`](super::network::Body::nodes)).
@@ -35,7 +38,8 @@ impl AnnulusCooledMotor {
         match k {
             CURRENT => matches!(choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm),
             SPEED => choices.mechanical_mode == MechanicalMode::FreeShaft,
-            SENSOR => self.lags(),
+            WINDING_SENSOR => self.parameters.effects.sensor_lag().winding > 0.0,
+            HOUSING_SENSOR => self.parameters.effects.sensor_lag().housing > 0.0,
             LAGS..HOUSING => self.parameters.effects.lag(k - LAGS).is_some(),
             PHASES..ENERGIES => choices.commutation != Commutation::EquivalentDc,
             ROTOR | TUBE | HOUSING.. => {
@@ -55,7 +59,8 @@ impl AnnulusCooledMotor {
             CURRENT | SPEED => self.own.state.x[k],
             ANGLE => self.own.state.angle,
             WINDING | CORE => self.own.state.temperature[k - WINDING],
-            SENSOR => self.own.t_sensor,
+            WINDING_SENSOR => self.own.sensors.winding,
+            HOUSING_SENSOR => self.own.sensors.housing,
             PHASES..ENERGIES => self.own.phases.above[k - PHASES],
             ENERGIES..LAGS => self.own.state.energy[k - ENERGIES],
             LAGS..HOUSING => self.own.term_lags[k - LAGS] / self.lag_size(k - LAGS),
@@ -69,7 +74,8 @@ impl AnnulusCooledMotor {
             CURRENT | SPEED => self.own.state.x[k] = value,
             ANGLE => self.own.state.angle = value,
             WINDING | CORE => self.own.state.temperature[k - WINDING] = value,
-            SENSOR => self.own.t_sensor = value,
+            WINDING_SENSOR => self.own.sensors.winding = value,
+            HOUSING_SENSOR => self.own.sensors.housing = value,
             PHASES..ENERGIES => self.own.phases.above[k - PHASES] = value,
             ENERGIES..LAGS => self.own.state.energy[k - ENERGIES] = value,
             LAGS..HOUSING => self.own.term_lags[k - LAGS] = value * self.lag_size(k - LAGS),

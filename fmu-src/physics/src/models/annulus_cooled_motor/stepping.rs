@@ -74,7 +74,6 @@ impl AnnulusCooledMotor {
     /// A step with the drivers already set.
     #[inline]
     pub(super) fn take_substeps(&mut self, time: f64, h: f64) -> Result<(), Halt> {
-        let before = self.housing_temperature();
         let effects = &self.parameters.effects;
         let lagging = (effects.acts_at(Port::Any) && effects.has_lags()).then(|| self.lag_start(h));
         if self.own.network.is_some() {
@@ -90,7 +89,6 @@ impl AnnulusCooledMotor {
         }
         // The following is evaluated at the end of the step, where the inputs have their final values.
         self.clear_slopes();
-        self.follow_sensor(before, h);
         if let Some(start) = lagging {
             self.follow_lags(&start, h);
         }
@@ -103,7 +101,7 @@ impl AnnulusCooledMotor {
         let inputs = [&self.inputs, &self.slopes];
         let mut step = Step::<FORM>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time);
         step.excess = excess;
-        let before = self.own.state;
+        let (before, sensed) = (self.own.state, self.sensed());
         let next = &mut self.own.state;
         if let Err(step_failure) = self.own.split.advance(&step, next, h) {
             *next = before;
@@ -118,6 +116,7 @@ impl AnnulusCooledMotor {
             return Err(Halt::Limit);
         }
         self.own.phases = phases;
+        self.follow_sensors(sensed, h);
         self.arrive(time + h, h);
         Ok(())
     }
@@ -186,7 +185,7 @@ impl AnnulusCooledMotor {
 
     /// The same with the plain equations or all of them.
     fn substep_of<const FORM: u8>(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
-        let ambient = self.ambient(time);
+        let (ambient, sensed) = (self.ambient(time), self.sensed());
         let still = !self.is_sloping();
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
         let excess = self.mean_excess(h);
@@ -241,6 +240,7 @@ impl AnnulusCooledMotor {
         network.substep = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
         next.energy[2] += advance.to_ambient - advance.left;
         (self.own.state, self.own.phases) = (next, phases);
+        self.follow_sensors(sensed, h);
         self.arrive(time + h, h);
         Ok(Ok(()))
     }

@@ -60,9 +60,9 @@ fn reason(port: Port) -> Option<&'static str> {
             "its conductances are thermal.G_hb and thermal.G_ba; effect.housing_radiation.k increases them with temperature",
         ),
         FanFlow => Some("it has no fan; effect.forced_convection.G is an additional conductance"),
-        HousingSensorLag => {
-            Some("the housing sensor has no state; effect.housing_sensor_stem_loss.k is its static error")
-        }
+        SensorLag => Some(
+            "the sensors have no states; effect.winding_sensor_stem_loss.k and effect.housing_sensor_stem_loss.k are their static errors",
+        ),
         DriveLoss => {
             Some("no power is imposed; drive.drop and drive.freewheel_drop are the losses of the bridge")
         }

@@ -2,6 +2,7 @@
 
 use super::{CORE, Ends, NODES, Step, WINDING};
 use crate::components::commutation::Phases;
+use crate::effects::PerNode;
 use crate::ledger::{Account, Ledger};
 use crate::model::HousingHeat;
 use crate::models::annulus_cooled_motor::cooling::{mass, without_flow};
@@ -24,8 +25,8 @@ impl<const FORM: u8> Step<'_, FORM> {
         if self.is_free() { 0.5 * self.model.motor.J * w * w } else { 0.0 }
     }
 
-    /// Outputs at the start of the step; `t_sensor` is the temperature of the housing sensor.
-    pub fn outputs(&self, state: &State<NODES>, t_sensor: f64, phases: &Phases) -> Outputs {
+    /// Outputs at the start of the step; `sensors` are the temperatures of the sensors.
+    pub fn outputs(&self, state: &State<NODES>, sensors: &PerNode, phases: &Phases) -> Outputs {
         let (model, ambient) = (self.model, self.ambient.start);
         let (x, temperature) = (&state.x, &state.temperature);
         let t_w = temperature[WINDING];
@@ -36,10 +37,10 @@ impl<const FORM: u8> Step<'_, FORM> {
             shaft_angle: state.angle,
             shaft_speed: x[1],
             shaft_torque: model.effects.torque_sensor(shaft_torque),
-            winding_temperature: model.effects.winding_sensor(t_w, ambient),
+            winding_temperature: model.effects.winding_sensor(sensors.winding, ambient),
             stator_temperature: temperature[CORE],
             magnet_temperature: self.magnets(0.0, temperature),
-            housing_temperature: model.effects.housing_sensor(t_sensor, ambient),
+            housing_temperature: model.effects.housing_sensor(sensors.housing, ambient),
             winding_resistance: r,
             torque_constant: k,
             winding_margin: model.thermal.T_w_max - hottest,
