@@ -8,7 +8,7 @@ use crate::comparison;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
-use crate::levels::{AT_NOISE, DECISIVE, STRUCTURE, SURE};
+use crate::levels::{AT_NOISE, DECISIVE, PART, STRUCTURE, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Whiteness};
 use crate::prediction;
@@ -249,17 +249,20 @@ fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
 }
 
 /// Whether one hypothesis may replace another according to simulated errors: the error of the fit and validation runs together hardly
-/// increases, or that of the validation runs, to which neither was fitted, hardly increases.
+/// increases; or that of the validation runs, to which neither was fitted, while every output still follows the fit runs.
 fn is_no_worse(exact: &Setup, one: &Hypothesis, other: &Hypothesis) -> Result<bool, CalibrateError> {
     let [fit, validation] = [Role::Fit, Role::Validate].map(|role| exact.runs(role));
-    let of = |hypothesis: &Hypothesis, runs: &[usize]| -> Result<f64, CalibrateError> {
-        Ok(exact.chi_square(runs, &exact.show(hypothesis, runs)?).0)
+    let of = |hypothesis: &Hypothesis, runs: &[usize]| -> Result<Vec<f64>, CalibrateError> {
+        Ok(exact.chi_squares(runs, &exact.show(hypothesis, runs)?))
     };
-    let validated = (of(one, &validation)?, of(other, &validation)?);
-    if !validation.is_empty() && validated.0 <= (1.0 + STRUCTURE) * validated.1 {
+    let sum = |parts: &[f64]| parts.iter().sum::<f64>();
+    let (fitted, before) = (of(one, &fit)?, of(other, &fit)?);
+    let validated = (sum(&of(one, &validation)?), sum(&of(other, &validation)?));
+    let follows = fitted.iter().zip(&before).all(|(own, before)| *own <= (1.0 + PART).powi(2) * before);
+    if !validation.is_empty() && follows && validated.0 <= (1.0 + STRUCTURE) * validated.1 {
         return Ok(true);
     }
-    Ok(of(one, &fit)? + validated.0 <= (1.0 + STRUCTURE) * (of(other, &fit)? + validated.1))
+    Ok(sum(&fitted) + validated.0 <= (1.0 + STRUCTURE) * (sum(&before) + validated.1))
 }
 
 /// Every parameter found by linearization, with its interval, and the covariance, estimated jointly with sensor drift and, if given,

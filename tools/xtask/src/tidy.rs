@@ -26,27 +26,24 @@ const CHECKS: &[Check] = &[
     ("licences", licenses::check),
 ];
 
-/// Everything.
-const FURTHER: &[Check] =
-    &[("lints", |w| lints(w, &["--all-targets"])), ("generated files", describe::check)];
-
-/// The everyday run: the tests of `describe` compare the generated files, and the benchmarks need criterion and diffsol, which take
-/// longer to compile than all of ours. Tests are linted with everything.
-const EVERYDAY: &[Check] = &[("lints", |w| lints(w, &["--exclude", "bench", "--lib", "--bins"]))];
+/// Checks that compile: a test of `describe` repeats the last one, and clippy compiles every package once more, which takes a minute and a
+/// half from a fresh clone. They are a part of `cargo xtask tidy` and of the nightly run.
+const FURTHER: &[Check] = &[("lints", lints), ("generated files", describe::check)];
 
 /// Runs every check, failed or not.
 pub fn run(workspace: &Workspace) -> Outcome {
     all(workspace, CHECKS.iter().chain(FURTHER))
 }
 
-/// Runs the checks that no test repeats; lints without tests and benchmarks.
+/// Runs the checks that compile nothing.
 pub fn sources(workspace: &Workspace) -> Outcome {
-    all(workspace, CHECKS.iter().chain(EVERYDAY))
+    all(workspace, CHECKS.iter())
 }
 
-fn lints(workspace: &Workspace, which: &[&str]) -> Outcome {
-    let mut command = workspace.cargo(&["clippy", "--quiet", "--release", "--workspace"]);
-    shell::run(command.args(which).args(["--", "--deny", "warnings"]))
+fn lints(workspace: &Workspace) -> Outcome {
+    let arguments =
+        ["clippy", "--quiet", "--release", "--workspace", "--all-targets", "--", "--deny", "warnings"];
+    shell::run(&mut workspace.cargo(&arguments))
 }
 
 fn all<'a>(workspace: &Workspace, checks: impl Iterator<Item = &'a Check>) -> Outcome {

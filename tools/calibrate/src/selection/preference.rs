@@ -97,7 +97,7 @@ impl Rival<'_> {
 
     /// Whether the validation runs prefer it to another one: the same law in a form that predicts better (a power law has fewer numbers, so a
     /// table has to be clearly better), a plainer law at the same port that predicts as well, a law at the same port that explains as
-    /// much (up to `near`) and predicts better, or any law that predicts far better.
+    /// much (up to `near`) and predicts better (by more than structure error if it is less probable), or any law that predicts far better.
     fn is_better(&self, other: &Rival, near: f64) -> bool {
         let (a, b) = (self.addition, other.addition);
         if self.foretold < AHEAD * other.foretold {
@@ -112,8 +112,11 @@ impl Rival<'_> {
         }
         let (mine, its) = ((parts(a), oddity(a)), (parts(b), oddity(b)));
         let is_plainer = mine < its;
+        let odd = if mine.1 > its.1 { 1.0 + STRUCTURE } else { 1.0 };
         (is_plainer && self.foretold < other.foretold * (1.0 + STRUCTURE))
-            || (mine.0 == its.0 && (self.sure - other.sure).abs() < near && self.foretold < other.foretold)
+            || (mine.0 == its.0
+                && (self.sure - other.sure).abs() < near
+                && odd * self.foretold < other.foretold)
     }
 }
 
@@ -211,6 +214,8 @@ mod tests {
         assert!(wins(winding, housing, 40.0) && !wins(housing, winding, 0.0));
         let [heat, speed] = [FrictionLoss, Speed].map(|driver| (WindingSensor, Follows::Late(driver), 0.35));
         assert!(wins(speed, heat, 40.0) && !wins(heat, speed, 0.0));
+        let better = |foretold: f64| (WindingSensor, heat.1, foretold);
+        assert!(wins(better(0.30), speed, 0.0) && !wins(better(0.349), speed, 0.0));
         // Equally plain: the evidence decides unless it is about the same.
         let lower = (HeatCapacity, Follows::Both(HousingTemperature, Current), 0.17);
         assert!(wins(lower, two, 5.0) && !wins(lower, two, 40.0));

@@ -264,6 +264,10 @@ impl AnnulusCooledMotor {
     /// a network, that of the housing is linear in time.
     pub(super) fn follow_sensors(&mut self, before: PerNode, h: f64) {
         let (lag, after) = (self.parameters.effects.sensor_lag(), self.sensed());
+        if lag == PerNode::default() {
+            self.own.sensors = after;
+            return;
+        }
         let middle = PerNode {
             winding: self.middle_of(0, before.winding, h),
             housing: match self.own.network.is_some() {
