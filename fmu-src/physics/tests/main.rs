@@ -18,6 +18,7 @@ mod limits;
 mod network;
 mod reading;
 mod rig_effects;
+mod sensors;
 mod served;
 mod short_cuts;
 mod states;
