@@ -93,7 +93,7 @@ fn states_and_derivatives_follow_the_number() {
     let motor = Importer::motor(ME3).segments(3).initialized(PUSHED);
     let mut n = 0;
     unsafe { fmi3GetNumberOfContinuousStates(motor.handle, &mut n) }.ok();
-    assert_eq!((n, motor.states().len()), (17 + 3, n));
+    assert_eq!((n, motor.states().len()), (18 + 3, n));
     assert_eq!(motor.get_states(&mut vec![0.0; n - 1]), Status::Error);
     let knowns = [vr("T_housing[1]"), vr("state.winding_temperature")];
     let unknown = [vr("der(T_housing[1])")];

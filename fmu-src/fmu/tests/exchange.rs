@@ -26,7 +26,7 @@ fn known(kind: &ModelType) -> Known {
         state: "state.shaft_angle",
     };
     match name(kind) {
-        "AnnulusCooledMotor" => rotor(25),
+        "AnnulusCooledMotor" => rotor(26),
         "BrushedGearmotor" => rotor(12),
         "SeriesElasticActuator" => Known {
             states: 8,

@@ -109,8 +109,10 @@ fn dependencies_are_the_physics() {
     // The drift of the ambient sensor changes a run that starts late.
     let (ambient, drift) = ("ambient_temperature", "effect.ambient_drift.rate");
     let (winding, sensor) = ("initial.winding_temperature", "effect.winding_sensor_");
-    let [offset, loss] = ["offset.offset", "stem_loss.k"].map(|name| format!("{sensor}{name}"));
-    assert_eq!(on(&found.initial, "winding_temperature"), [ambient, winding, drift, &loss, &offset]);
+    let [lag, loss, offset] =
+        ["lag.tau", "stem_loss.k", "offset.offset"].map(|name| format!("{sensor}{name}"));
+    let known = [ambient, winding, drift, lag.as_str(), loss.as_str(), offset.as_str()];
+    assert_eq!(on(&found.initial, "winding_temperature"), known);
     assert_eq!(on(&found.initial, "over_temperature"), [ambient, "thermal.T_w_max", winding, drift]);
     // A node of its own, or the housing where there is none.
     let stator = on(&found.initial, "stator_temperature");
@@ -144,7 +146,7 @@ fn segments_are_counted_by_the_start_values() {
     let preset = "name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n[start]\nair_segments = 11\n";
     let starts = Preset::parse(preset, "x.toml").unwrap().starts;
     let found = Dependencies::of(kind, &Resources::default(), &starts);
-    assert_eq!(found.rates.len(), 17 + 11);
+    assert_eq!(found.rates.len(), 18 + 11);
     let two = fmi2::model_description(declaration, &starts, &found, Experiment::default());
     assert!(two.contains("\"T_housing[11]\"") && two.contains("\"der(T_housing[11])\""));
     assert!(!two.contains("T_housing[12]"));
