@@ -1,5 +1,7 @@
 """Two sets of the blind suite, drawn, run and judged: no effect at all, and a wrong sign."""
 
+import json
+
 import pytest
 from blind import draw, judge, make, run
 from blind.files import write_set
@@ -19,3 +21,16 @@ def test_a_set_is_right(number, kind, program, tmp_path):
     run.ask(tmp_path, program, "", 120.0)
     one = run.judged(tmp_path)
     assert one.outcome == judge.RIGHT, f"{one.sentence}: {SETS[number, kind]}"
+
+
+@pytest.mark.nightly
+def test_an_effect_that_predicts_worse_alone_is_found_with_a_second_one(program, tmp_path):
+    """The lag of the winding's sensor explains most; beside the other differences of this specimen it does not predict better alone."""
+    s = make.made(35227, 21)
+    assert s.pieces["sensor_lag"] > 10.0
+    write_set(s, tmp_path)
+    run.ask(tmp_path, program, "", 240.0, 120.0)
+    report = json.loads((tmp_path / "result" / "report.json").read_text(encoding="utf-8"))
+    assert "winding_sensor_lag" in [effect["id"] for effect in report["effects"]]
+    for channel, error in report["error"]["test"].items():
+        assert error["after"] < 1.02 * error["refit"], channel

@@ -7,6 +7,7 @@
 //! white and for autocorrelated noise; sign and size are physical and no parameter reaches a limit; all runs agree on the size; the validation
 //! error decreases by more than structure error. With the cost alone, effects would be found on every bench with drifting thermocouples.
 
+mod companion;
 mod gate;
 mod preference;
 
@@ -17,6 +18,7 @@ use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
 use crate::search::{Scored, choice};
 use crate::setup::Setup;
+pub use companion::companion;
 use gate::{Judged, gate};
 pub use gate::{acting, asked, predicts_where_it_acts};
 use preference::{best_predicting, is_part, listed_instead, order_by_likelihood};
@@ -229,21 +231,10 @@ fn candidates<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Score
     Round { candidates, taken: None, excuse: None, alike: Vec::new(), failed }
 }
 
-/// The effect beside one that explains most, but predicts worse alone: of all candidates the one with the smallest validation error, a listed
-/// effect if it predicts as well up to structure error. Both together have to explain as much as one effect, so that [`LEAST`] is enough.
-pub fn companion<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
-    let mut round = candidates(point, start, scored);
-    let mut least = f64::INFINITY;
-    for (k, candidate) in round.candidates.iter_mut().enumerate() {
-        if candidate.refused.is_some() || !candidate.judge_for(point, LEAST) {
-            continue;
-        }
-        let law = if candidate.addition().is_listed() { 1.0 } else { 1.0 + STRUCTURE };
-        if let Some(worth) = candidate.validation.map(|ratio| law * ratio).filter(|worth| *worth < least) {
-            (least, round.taken) = (worth, Some(k));
-        }
-    }
-    round
+/// Releases the linearizations of all candidates but these.
+fn release(candidates: &mut [Candidate], kept: &[Option<usize>]) {
+    let rest = candidates.iter_mut().enumerate().filter(|(k, _)| !kept.contains(&Some(*k)));
+    rest.for_each(|(_, candidate)| candidate.point.release());
 }
 
 /// Fits and compares the best candidates scored at `point`, the model without any of them; their fits start at `start`. A candidate
@@ -293,10 +284,8 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     if taken.is_some_and(|t| !candidates[t].addition().is_listed()) {
         alike.clear();
     }
-    // The linearizations of the other candidates are no longer needed.
     let first = candidates.iter().position(|c| at_limit(c.addition()).is_none());
-    let rest = candidates.iter_mut().enumerate().filter(|(k, _)| ![taken, first].contains(&Some(*k)));
-    rest.for_each(|(_, candidate)| candidate.point.release());
+    release(&mut candidates, &[taken, first]);
     Round { candidates, taken, excuse: None, alike, failed }
 }
 
