@@ -1,4 +1,4 @@
-"""Two sets of the blind suite, drawn, run and judged: no effect at all, and a wrong sign."""
+"""Sets of the blind suite, drawn, run and judged: no effect at all, a wrong sign, and every night a pair that only together predicts better."""
 
 import json
 
