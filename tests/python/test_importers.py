@@ -21,6 +21,9 @@ from conftest import STANDARDS
 from requirements import DEMANDED, is_demanded
 from importers import Drive
 
+# The everyday run has fmpy in the other tests; these importers are for `cargo xtask nightly`.
+pytestmark = pytest.mark.nightly
+
 STEP, STEPS = 2.0**-9, 256
 
 # Parameters of each model, then inputs as functions of the number of the communication point.

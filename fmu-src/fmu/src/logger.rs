@@ -50,7 +50,8 @@ pub enum Category {
 const ALL: u8 = (1 << (CATEGORIES.len() - 1)) - 1;
 
 impl Category {
-    fn name(self) -> &'static str {
+    /// Its name in the model description.
+    pub fn name(self) -> &'static str {
         CATEGORIES[self as usize].0
     }
 
@@ -199,37 +200,11 @@ impl Delivery {
 }
 
 /// The text with `#` escaped, so that it is no variable reference (FMI 2.0.5 section 2.1.5, FMI 3.0.2 section 2.3.1).
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.replace('#', "##")
 }
 
 /// The text as a C string; a zero inside is replaced by a space.
 pub fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn categories_have_their_places_and_the_last_one_stands_for_all() {
-        for (category, name) in [
-            (Category::Error, "logStatusError"),
-            (Category::Discard, "logStatusDiscard"),
-            (Category::Warning, "logStatusWarning"),
-            (Category::Events, "logEvents"),
-            (Category::Steps, "logRejectedSteps"),
-        ] {
-            assert_eq!(category.name(), name);
-        }
-        assert_eq!(CATEGORIES.last().map(|(name, _)| *name), Some("logAll"));
-        assert_eq!(ALL.count_ones() as usize, CATEGORIES.len() - 1);
-    }
-
-    #[test]
-    fn a_zero_and_a_hash_do_not_reach_the_importer() {
-        assert_eq!(c_string("a\0b").as_c_str(), c"a b");
-        assert_eq!(escaped("segment #3"), "segment ##3");
-    }
 }

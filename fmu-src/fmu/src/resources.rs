@@ -46,27 +46,3 @@ fn decoded(text: &str) -> String {
     }
     String::from_utf8_lossy(&bytes).into_owned()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_way_to_say_where() {
-        for (uri, path) in [
-            ("file:///tmp/a%20b/resources", "/tmp/a b/resources"),
-            ("file:/tmp/resources/", "/tmp/resources/"),
-            ("FILE://localhost/tmp/%C3%BC", "/tmp/\u{fc}"),
-            ("file:///C:/fmu/resources", "C:/fmu/resources"),
-            ("/tmp/100%/x", "/tmp/100%/x"),
-            ("C:\\fmu\\resources", "C:\\fmu\\resources"),
-            ("file:///tmp/50%25/%zz/%2", "/tmp/50%/%zz/%2"),
-        ] {
-            assert_eq!(of_uri(uri), Some(PathBuf::from(path)), "{uri}");
-        }
-        for nothing in ["", "http://host/resources", "file:", "file://", "file://host"] {
-            assert_eq!(of_uri(nothing), None, "{nothing}");
-        }
-        assert_eq!((of_path(""), of_path("/r/")), (None, Some(PathBuf::from("/r/"))));
-    }
-}

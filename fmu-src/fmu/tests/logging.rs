@@ -4,7 +4,7 @@ use crate::common::{
     CS2, CS3, Importer, KINDS, LOGGED, Look, ME3, MODELS, MOTOR, Message, Options, Succeeds, shortened, vr,
 };
 use crate::counting::allocations;
-use motor_fmu::logger::{CATEGORIES, Status};
+use motor_fmu::logger::{CATEGORIES, Category, Status, c_string, escaped};
 
 const SILENT: Options = Options { logging: false, event_mode: false, early_return: false, resources: None };
 const EVENTS: Options = Options { logging: true, event_mode: true, early_return: true, resources: None };
@@ -181,4 +181,24 @@ fn logging_changes_no_result_and_costs_nothing_when_off() {
         assert!(on.outputs() == off.outputs() && on.heard().len() > 2 && off.heard().is_empty());
         assert!(used[0] > 0 && used[1] == 0, "{used:?}");
     }
+}
+
+#[test]
+fn categories_have_their_places_and_the_last_one_stands_for_all() {
+    for (category, name) in [
+        (Category::Error, "logStatusError"),
+        (Category::Discard, "logStatusDiscard"),
+        (Category::Warning, "logStatusWarning"),
+        (Category::Events, "logEvents"),
+        (Category::Steps, "logRejectedSteps"),
+    ] {
+        assert_eq!(category.name(), name);
+    }
+    assert_eq!(CATEGORIES.last().map(|(name, _)| *name), Some("logAll"));
+}
+
+#[test]
+fn a_zero_and_a_hash_do_not_reach_the_importer() {
+    assert_eq!(c_string("a\0b").as_c_str(), c"a b");
+    assert_eq!(escaped("segment #3"), "segment ##3");
 }

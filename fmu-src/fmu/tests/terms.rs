@@ -1,6 +1,8 @@
 //! Terms that are data, from the archive's resources to the motor, through the C functions of both standards.
 
 use crate::common::{CS2, CS3, How, Importer, MOTOR, Message, Options, Succeeds, filled};
+use motor_fmu::resources::{of_path, of_uri};
+use std::path::PathBuf;
 use tempfile::TempDir;
 
 /// A folder of resources, with a space in its name, that holds a file of this text.
@@ -131,4 +133,23 @@ fn fmi_3_takes_a_path() {
     let made = |folder: &TempDir| located(CS3, &format!("{}/", folder.path().display()));
     assert!(made(&resources("{")).is_err());
     assert!(made(&resources(DROP)).is_ok());
+}
+
+#[test]
+fn every_way_to_say_where() {
+    for (uri, path) in [
+        ("file:///tmp/a%20b/resources", "/tmp/a b/resources"),
+        ("file:/tmp/resources/", "/tmp/resources/"),
+        ("FILE://localhost/tmp/%C3%BC", "/tmp/\u{fc}"),
+        ("file:///C:/fmu/resources", "C:/fmu/resources"),
+        ("/tmp/100%/x", "/tmp/100%/x"),
+        ("C:\\fmu\\resources", "C:\\fmu\\resources"),
+        ("file:///tmp/50%25/%zz/%2", "/tmp/50%/%zz/%2"),
+    ] {
+        assert_eq!(of_uri(uri), Some(PathBuf::from(path)), "{uri}");
+    }
+    for nothing in ["", "http://host/resources", "file:", "file://", "file://host"] {
+        assert_eq!(of_uri(nothing), None, "{nothing}");
+    }
+    assert_eq!((of_path(""), of_path("/r/")), (None, Some(PathBuf::from("/r/"))));
 }

@@ -31,6 +31,42 @@ pub trait Equations {
     fn indicators(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), Self::Error>;
 }
 
+/// [`Equations`] whose error is kept aside, so that the solver is compiled once and not for each kind of equations.
+trait System {
+    fn derivatives(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<bool, Stopped>;
+    fn indicators(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), Stopped>;
+}
+
+/// The equations cannot be evaluated; [`Kept`] has the reason.
+struct Stopped;
+
+/// Equations and the error that ended their evaluation.
+struct Kept<'a, E: Equations> {
+    equations: &'a mut E,
+    error: Option<E::Error>,
+}
+
+impl<E: Equations> Kept<'_, E> {
+    fn keep<T>(&mut self, result: Result<T, E::Error>) -> Result<T, Stopped> {
+        result.map_err(|error| {
+            self.error = Some(error);
+            Stopped
+        })
+    }
+}
+
+impl<E: Equations> System for Kept<'_, E> {
+    fn derivatives(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<bool, Stopped> {
+        let result = self.equations.derivatives(t, x, out);
+        self.keep(result)
+    }
+
+    fn indicators(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), Stopped> {
+        let result = self.equations.indicators(t, x, out);
+        self.keep(result)
+    }
+}
+
 /// The solver: what it remembers from step to step.
 #[derive(Debug)]
 pub struct Solver {
@@ -105,6 +141,20 @@ impl Solver {
         target: f64,
         most_evaluations: usize,
     ) -> Result<Option<Taken>, E::Error> {
+        let mut kept = Kept { equations, error: None };
+        match (self.accepted(&mut kept, (t, x), target, most_evaluations), kept.error) {
+            (Err(Stopped), Some(error)) => Err(error),
+            (taken, _) => Ok(taken.unwrap_or(None)),
+        }
+    }
+
+    fn accepted(
+        &mut self,
+        equations: &mut dyn System,
+        (t, x): (f64, &[f64]),
+        target: f64,
+        most_evaluations: usize,
+    ) -> Result<Option<Taken>, Stopped> {
         let whole = target - t;
         if self.next == 0.0 {
             self.next = if x.is_empty() { whole } else { self.first_length(equations, (t, x), whole)? };
@@ -131,18 +181,18 @@ impl Solver {
             }
             h = attempt.next.min(0.7 * h);
             // An old Jacobian may be the reason.
-            self.jacobian = None;
+            self.jacobian.take_if(|(_, age)| *age > 0);
         }
     }
 
     /// The step, shortened to the first sign change of an event indicator.
-    fn up_to_event<E: Equations>(
+    fn up_to_event(
         &mut self,
-        equations: &mut E,
+        equations: &mut dyn System,
         (t, x): (f64, &[f64]),
         h: f64,
         mut taken: Taken,
-    ) -> Result<Taken, E::Error> {
+    ) -> Result<Taken, Stopped> {
         let old = self.indicators.clone();
         let changed = |z: &[f64]| z.iter().zip(&old).position(|(a, b)| (*a > 0.0) != (*b > 0.0));
         let mut z = old.clone();
@@ -186,12 +236,12 @@ impl Solver {
     }
 
     /// Length of the first step: one that changes the states by little, and in which a method of second order is accurate.
-    fn first_length<E: Equations>(
+    fn first_length(
         &mut self,
-        equations: &mut E,
+        equations: &mut dyn System,
         (t, x): (f64, &[f64]),
         whole: f64,
-    ) -> Result<f64, E::Error> {
+    ) -> Result<f64, Stopped> {
         let tiny = 1e-6 * whole;
         let state = DVector::from_column_slice(x);
         let Some(rates) = self.rates(equations, t, x)? else { return Ok(tiny) };
@@ -205,12 +255,12 @@ impl Solver {
     }
 
     /// A step of length `h` from `t` and `x`.
-    fn attempt<E: Equations>(
+    fn attempt(
         &mut self,
-        equations: &mut E,
+        equations: &mut dyn System,
         (t, x): (f64, &[f64]),
         h: f64,
-    ) -> Result<Attempt, E::Error> {
+    ) -> Result<Attempt, Stopped> {
         if x.is_empty() {
             return Ok(Attempt { x: Vec::new(), error: 0.0, next: f64::INFINITY });
         }
@@ -224,9 +274,12 @@ impl Solver {
         let mut best: Option<(f64, f64)> = None;
         let mut work = 0.0;
         let mut last = Attempt::failed(h);
+        let whole = self.matrix(h);
         for column in 0..COLUMNS {
             let parts = column + 1;
-            let Some(first) = self.substeps(equations, (t, x), h, parts)? else {
+            let part = if parts > 1 { self.matrix(h / parts as f64) } else { None };
+            let matrix = if parts > 1 { &part } else { &whole };
+            let Some(first) = self.substeps(equations, (t, x), h, parts, matrix.as_ref())? else {
                 return Ok(Attempt::failed(h));
             };
             work += (parts + 1) as f64;
@@ -238,7 +291,8 @@ impl Solver {
                     return Ok(Attempt::failed(h));
                 };
                 let defect = (&table[column].slopes[column] - rates) * h;
-                let defect = self.filtered(h, defect);
+                // (I - h J)^-1 damps the error that a change of the increments causes in stiff states.
+                let defect = solved(whole.as_ref(), defect);
                 error = error.max(defect.map_or(f64::INFINITY, |defect| self.error(x, new, &defect)));
             }
             let factor = (0.8 * error.max(1e-10).powf(-1.0 / (column + 1) as f64)).clamp(0.1, 5.0);
@@ -265,42 +319,33 @@ impl Solver {
         })
     }
 
-    /// The error of the states that a change of their increments causes: (I - h J)^-1 damps it in stiff states.
-    fn filtered(&self, h: f64, change: DVector<f64>) -> Option<DVector<f64>> {
-        match self.matrix(h) {
-            Some(matrix) => matrix.solve(&change),
-            None => Some(change),
-        }
-    }
-
     /// I - h J; `None` without Jacobian.
     fn matrix(&self, h: f64) -> Option<LU<f64, Dyn, Dyn>> {
         let (jacobian, _) = self.jacobian.as_ref()?;
-        Some((DMatrix::identity(jacobian.nrows(), jacobian.nrows()) - jacobian * h).lu())
+        let mut matrix = jacobian * -h;
+        for k in 0..matrix.nrows() {
+            matrix[(k, k)] += 1.0;
+        }
+        Some(matrix.lu())
     }
 
     /// The linearly implicit Euler method in equal parts.
-    fn substeps<E: Equations>(
+    fn substeps(
         &mut self,
-        equations: &mut E,
+        equations: &mut dyn System,
         (t, x): (f64, &[f64]),
         h: f64,
         parts: usize,
-    ) -> Result<Option<Row>, E::Error> {
+        matrix: Option<&LU<f64, Dyn, Dyn>>,
+    ) -> Result<Option<Row>, Stopped> {
         let step = h / parts as f64;
-        let matrix = self.matrix(step);
         let mut state = DVector::from_column_slice(x);
         let mut slope = DVector::zeros(x.len());
         for part in 1..=parts {
             let at = if part == parts { t + h } else { t + part as f64 * step };
             let Some(rates) = self.rates(equations, at, state.as_slice())? else { return Ok(None) };
-            slope = match &matrix {
-                None => rates,
-                Some(matrix) => match matrix.solve(&rates) {
-                    Some(slope) => slope,
-                    None => return Ok(None),
-                },
-            };
+            let Some(own) = solved(matrix, rates) else { return Ok(None) };
+            slope = own;
             state += &slope * step;
         }
         let is_finite = state.iter().all(|x| x.is_finite());
@@ -308,12 +353,12 @@ impl Solver {
     }
 
     /// The Jacobian by one-sided difference quotients.
-    fn differences<E: Equations>(
+    fn differences(
         &mut self,
-        equations: &mut E,
+        equations: &mut dyn System,
         t: f64,
         x: &[f64],
-    ) -> Result<Option<DMatrix<f64>>, E::Error> {
+    ) -> Result<Option<DMatrix<f64>>, Stopped> {
         let n = x.len();
         let Some(middle) = self.rates(equations, t, x)? else { return Ok(None) };
         let mut matrix = DMatrix::zeros(n, n);
@@ -331,16 +376,24 @@ impl Solver {
     }
 
     /// The derivatives; `None` where they do not exist or are not finite.
-    fn rates<E: Equations>(
+    fn rates(
         &mut self,
-        equations: &mut E,
+        equations: &mut dyn System,
         t: f64,
         x: &[f64],
-    ) -> Result<Option<DVector<f64>>, E::Error> {
+    ) -> Result<Option<DVector<f64>>, Stopped> {
         self.evaluations += 1;
         let mut out = DVector::zeros(x.len());
         let exists = equations.derivatives(t, x, out.as_mut_slice())?;
         Ok((exists && out.iter().all(|d| d.is_finite())).then_some(out))
+    }
+}
+
+/// The rates times the inverse of I - h J; unchanged without Jacobian.
+fn solved(matrix: Option<&LU<f64, Dyn, Dyn>>, mut rates: DVector<f64>) -> Option<DVector<f64>> {
+    match matrix {
+        Some(matrix) => matrix.solve_mut(&mut rates).then_some(rates),
+        None => Some(rates),
     }
 }
 

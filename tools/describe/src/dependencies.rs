@@ -101,6 +101,17 @@ impl Dependencies {
         Dependencies::found(kind, &Resources::default(), &StartValues::default(), (&points, usize::MAX))
     }
 
+    /// The stored dependencies, and those of all points without repetition: the same unless the equations have changed.
+    pub fn sampled(kind: &ModelType) -> Dependencies {
+        let starts = StartValues::default();
+        match Dependencies::known((kind.declaration)(), &starts) {
+            Some(known) => {
+                known.and(Dependencies::found(kind, &Resources::default(), &starts, (&POINTS, usize::MAX)))
+            }
+            None => Dependencies::of_all(kind),
+        }
+    }
+
     /// The union with other dependencies of the same unknowns.
     fn and(self, other: Dependencies) -> Dependencies {
         Dependencies {

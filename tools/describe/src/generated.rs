@@ -3,6 +3,7 @@
 use crate::preset::StartValues;
 use crate::{Dependencies, Resources, experiment};
 use crate::{fmi2, fmi3, lock, markdown};
+use physics::model::ModelType;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -23,13 +24,16 @@ pub enum GenerateError {
     },
 }
 
+/// How the dependencies of a model are determined: [`Dependencies::of_all`], or [`Dependencies::sampled`] in less time.
+pub type Determine = fn(&ModelType) -> Dependencies;
+
 /// Every generated file below `folder`: path and text.
-pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
+pub fn files(folder: &Path, determine: Determine) -> Result<Vec<(PathBuf, String)>, GenerateError> {
     let mut files = Vec::new();
     for kind in physics::models::ALL {
         let declaration = (kind.declaration)();
         let home = folder.join(declaration.name);
-        let found = Dependencies::of_all(kind);
+        let found = determine(kind);
         let (starts, experiment) = experiment::of(kind, &StartValues::default(), &Resources::default(), None);
         files
             .push((home.join("fmi2.xml"), fmi2::model_description(declaration, &starts, &found, experiment)));
@@ -46,14 +50,14 @@ pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
 }
 
 /// The files that are out of date.
-pub fn stale(folder: &Path) -> Result<Vec<PathBuf>, GenerateError> {
+pub fn stale(folder: &Path, determine: Determine) -> Result<Vec<PathBuf>, GenerateError> {
     let differs = |(path, text): &(PathBuf, String)| fs::read_to_string(path).ok().as_ref() != Some(text);
-    Ok(files(folder)?.into_iter().filter(differs).map(|(path, _)| path).collect())
+    Ok(files(folder, determine)?.into_iter().filter(differs).map(|(path, _)| path).collect())
 }
 
 /// Writes all files.
 pub fn write(folder: &Path) -> Result<(), GenerateError> {
-    for (path, text) in files(folder)? {
+    for (path, text) in files(folder, Dependencies::of_all)? {
         let home = path.parent().unwrap_or(folder);
         fs::create_dir_all(home)
             .and_then(|()| fs::write(&path, text))

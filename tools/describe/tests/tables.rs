@@ -252,9 +252,10 @@ fn the_gearmotor_depends_on_no_effect_of_fan_or_power_input() {
     );
 }
 
+/// `cargo xtask tidy` compares with dependencies from more points, which takes four times as long.
 #[test]
 fn the_generated_files_are_up_to_date() {
-    let stale = generated::stale(&folder()).unwrap();
+    let stale = generated::stale(&folder(), Dependencies::sampled).unwrap();
     assert!(stale.is_empty(), "run `cargo xtask describe`: {stale:?}");
 }
 

@@ -7,8 +7,10 @@ use std::process::Command;
 /// Members of the workspace that have tests. Benchmarks have none, and criterion takes as long to compile as all of ours.
 pub const MEMBERS: [&str; 3] = ["--workspace", "--exclude", "bench"];
 
-/// Targets that are compiled for the tests: one set, so that no later stage compiles anything again.
+/// Targets that are compiled for the tests, so that no later stage compiles anything again.
 const TARGETS: [&str; 4] = ["--release", "--lib", "--bins", "--tests"];
+/// Those of them that are tests: a manifest may exclude a target without any, which `--lib` would compile once more.
+const TESTS: [&str; 2] = ["--release", "--tests"];
 
 /// Which tests of pytest, and which mutants.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -40,7 +42,7 @@ pub fn common(workspace: &Workspace, extent: Extent, stages: &mut Stages) {
         });
         stages.keeping("cargo test", || {
             let mut command = workspace.cargo(&["test", "--no-fail-fast"]);
-            shell::run_keeping(command.args(MEMBERS).args(TARGETS), is_cargo_closing)
+            shell::run_keeping(command.args(MEMBERS).args(TESTS), is_cargo_closing)
         });
         stages.keeping("cargo test --doc", || {
             let mut command = workspace.cargo(&["test", "--no-fail-fast", "--release", "--doc"]);
