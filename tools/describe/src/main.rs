@@ -1,14 +1,17 @@
 //! Writes the files of `model-description/`; with `--check` lists those that are out of date.
 
-use describe::generated;
+use describe::{Dependencies, generated};
 use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let folder = Path::new("model-description");
     let check = std::env::args().any(|a| a == "--check");
-    let outcome =
-        if check { generated::stale(folder) } else { generated::write(folder).map(|()| Vec::new()) };
+    let outcome = if check {
+        generated::stale(folder, Dependencies::of_all)
+    } else {
+        generated::write(folder).map(|()| Vec::new())
+    };
     match outcome {
         Ok(stale) if stale.is_empty() => ExitCode::SUCCESS,
         Ok(stale) => {
