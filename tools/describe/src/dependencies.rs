@@ -91,7 +91,10 @@ impl Dependencies {
         match (resources.is_empty(), usual) {
             (true, true) => known,
             (false, true) => known.and(Dependencies::found(kind, resources, starts, (&ONCE, OF_TERMS))),
-            (_, false) => known.and(Dependencies::found(kind, resources, starts, (&POINTS, usize::MAX))),
+            // The elements that the stored dependencies have not are like those that they have.
+            (_, false) => known
+                .and(Dependencies::found(kind, resources, starts, (&ONCE, OF_TERMS)))
+                .of_arrays(declaration),
         }
     }
 
@@ -120,6 +123,27 @@ impl Dependencies {
             indicators: union(self.indicators, other.indicators),
             initial: union(self.initial, other.initial),
         }
+    }
+
+    /// The same where each element of an array has what any element of it depends on among the variables that are no elements: all have the
+    /// same equation.
+    fn of_arrays(mut self, declaration: &Declaration) -> Dependencies {
+        let entry = |k: usize| &declaration.entries[k];
+        for list in [&mut self.outputs, &mut self.rates, &mut self.initial] {
+            let all = list.clone();
+            for own in list.iter_mut().filter(|own| entry(own.entry).element.is_some()) {
+                let is_like = |other: &&Unknown| {
+                    let (a, b) = (entry(own.entry), entry(other.entry));
+                    b.element.is_some() && std::ptr::eq(a.row, b.row) && a.slot.group == b.slot.group
+                };
+                let of_array = all.iter().filter(is_like).cloned().fold(own.clone(), |sum, other| {
+                    let on = other.on.into_iter().filter(|k| entry(*k).element.is_none()).collect();
+                    sum.and(Unknown { on, ..other })
+                });
+                *own = of_array;
+            }
+        }
+        self
     }
 
     /// The dependencies at these points in at most so many combinations of the modes.
