@@ -22,6 +22,7 @@ LONGEST = (
     "test_validator_faults",
     "test_corpus",
     "test_cosim_system",
+    "test_importers",
     "test_reproduce",
     "test_bench_generator",
     "test_example[04_close_the_loop_bench]",

@@ -21,9 +21,6 @@ from conftest import STANDARDS
 from requirements import DEMANDED, is_demanded
 from importers import Drive
 
-# The everyday run has fmpy in the other tests; these importers are for `cargo xtask nightly`.
-pytestmark = pytest.mark.nightly
-
 STEP, STEPS = 2.0**-9, 256
 
 # Parameters of each model, then inputs as functions of the number of the communication point.
@@ -152,6 +149,7 @@ def run(importer, archive, drive, folder):
     return json.loads(rows.read_text())
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(("importer", "fmi"), [(name, fmi) for name, takes in IMPORTERS.items() for fmi in takes])
 def test_an_importer_reads_the_same_bits(importer, fmi, model, drives, natively, tmp_path):

@@ -47,7 +47,7 @@ pub enum Category {
 }
 
 /// All categories enabled.
-const ALL: u8 = (1 << (CATEGORIES.len() - 1)) - 1;
+pub const ALL: u8 = (1 << (CATEGORIES.len() - 1)) - 1;
 
 impl Category {
     /// Its name in the model description.

@@ -4,7 +4,7 @@ use crate::common::{
     CS2, CS3, Importer, KINDS, LOGGED, Look, ME3, MODELS, MOTOR, Message, Options, Succeeds, shortened, vr,
 };
 use crate::counting::allocations;
-use motor_fmu::logger::{CATEGORIES, Category, Status, c_string, escaped};
+use motor_fmu::logger::{ALL, CATEGORIES, Category, Status, c_string, escaped};
 
 const SILENT: Options = Options { logging: false, event_mode: false, early_return: false, resources: None };
 const EVENTS: Options = Options { logging: true, event_mode: true, early_return: true, resources: None };
@@ -195,6 +195,7 @@ fn categories_have_their_places_and_the_last_one_stands_for_all() {
         assert_eq!(category.name(), name);
     }
     assert_eq!(CATEGORIES.last().map(|(name, _)| *name), Some("logAll"));
+    assert_eq!(ALL.count_ones() as usize, CATEGORIES.len() - 1);
 }
 
 #[test]

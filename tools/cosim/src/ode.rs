@@ -31,11 +31,8 @@ pub trait Equations {
     fn indicators(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), Self::Error>;
 }
 
-/// [`Equations`] whose error is kept aside, so that the solver is compiled once and not for each kind of equations.
-trait System {
-    fn derivatives(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<bool, Stopped>;
-    fn indicators(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), Stopped>;
-}
+/// [`Equations`] whose error is kept aside ([`Kept`]), so that the solver is compiled once and not for each kind of equations.
+type System<'a> = dyn Equations<Error = Stopped> + 'a;
 
 /// The equations cannot be evaluated; [`Kept`] has the reason.
 struct Stopped;
@@ -55,7 +52,9 @@ impl<E: Equations> Kept<'_, E> {
     }
 }
 
-impl<E: Equations> System for Kept<'_, E> {
+impl<E: Equations> Equations for Kept<'_, E> {
+    type Error = Stopped;
+
     fn derivatives(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<bool, Stopped> {
         let result = self.equations.derivatives(t, x, out);
         self.keep(result)
@@ -150,7 +149,7 @@ impl Solver {
 
     fn accepted(
         &mut self,
-        equations: &mut dyn System,
+        equations: &mut System,
         (t, x): (f64, &[f64]),
         target: f64,
         most_evaluations: usize,
@@ -188,7 +187,7 @@ impl Solver {
     /// The step, shortened to the first sign change of an event indicator.
     fn up_to_event(
         &mut self,
-        equations: &mut dyn System,
+        equations: &mut System,
         (t, x): (f64, &[f64]),
         h: f64,
         mut taken: Taken,
@@ -238,7 +237,7 @@ impl Solver {
     /// Length of the first step: one that changes the states by little, and in which a method of second order is accurate.
     fn first_length(
         &mut self,
-        equations: &mut dyn System,
+        equations: &mut System,
         (t, x): (f64, &[f64]),
         whole: f64,
     ) -> Result<f64, Stopped> {
@@ -255,12 +254,7 @@ impl Solver {
     }
 
     /// A step of length `h` from `t` and `x`.
-    fn attempt(
-        &mut self,
-        equations: &mut dyn System,
-        (t, x): (f64, &[f64]),
-        h: f64,
-    ) -> Result<Attempt, Stopped> {
+    fn attempt(&mut self, equations: &mut System, (t, x): (f64, &[f64]), h: f64) -> Result<Attempt, Stopped> {
         if x.is_empty() {
             return Ok(Attempt { x: Vec::new(), error: 0.0, next: f64::INFINITY });
         }
@@ -277,8 +271,13 @@ impl Solver {
         let whole = self.matrix(h);
         for column in 0..COLUMNS {
             let parts = column + 1;
-            let part = if parts > 1 { self.matrix(h / parts as f64) } else { None };
-            let matrix = if parts > 1 { &part } else { &whole };
+            let own;
+            let matrix = if parts == 1 {
+                &whole
+            } else {
+                own = self.matrix(h / parts as f64);
+                &own
+            };
             let Some(first) = self.substeps(equations, (t, x), h, parts, matrix.as_ref())? else {
                 return Ok(Attempt::failed(h));
             };
@@ -332,7 +331,7 @@ impl Solver {
     /// The linearly implicit Euler method in equal parts.
     fn substeps(
         &mut self,
-        equations: &mut dyn System,
+        equations: &mut System,
         (t, x): (f64, &[f64]),
         h: f64,
         parts: usize,
@@ -355,7 +354,7 @@ impl Solver {
     /// The Jacobian by one-sided difference quotients.
     fn differences(
         &mut self,
-        equations: &mut dyn System,
+        equations: &mut System,
         t: f64,
         x: &[f64],
     ) -> Result<Option<DMatrix<f64>>, Stopped> {
@@ -376,12 +375,7 @@ impl Solver {
     }
 
     /// The derivatives; `None` where they do not exist or are not finite.
-    fn rates(
-        &mut self,
-        equations: &mut dyn System,
-        t: f64,
-        x: &[f64],
-    ) -> Result<Option<DVector<f64>>, Stopped> {
+    fn rates(&mut self, equations: &mut System, t: f64, x: &[f64]) -> Result<Option<DVector<f64>>, Stopped> {
         self.evaluations += 1;
         let mut out = DVector::zeros(x.len());
         let exists = equations.derivatives(t, x, out.as_mut_slice())?;

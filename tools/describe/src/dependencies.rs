@@ -4,7 +4,7 @@
 //! occurs in any of them is declared. The declared dependencies therefore follow the equations.
 //!
 //! The dependencies of a model without generic terms are determined at many points and stored ([`known`]); those that
-//! generic terms add are determined at fewer points and in fewer combinations: they follow from the driver of a term, which depends on
+//! generic terms or another number of elements add are determined at fewer points and in fewer combinations: they follow from the driver of a term, which depends on
 //! drive and shaft, and from what its port acts on, which depends on the cooling.
 
 mod known;
@@ -88,14 +88,12 @@ impl Dependencies {
         // Only numbers of elements among the start values change the set of variables.
         let counts = declaration.entries.iter().filter(|entry| declaration.is_dimension(entry));
         let usual = counts.into_iter().all(|entry| starts.of(entry) == entry.row.start);
-        match (resources.is_empty(), usual) {
-            (true, true) => known,
-            (false, true) => known.and(Dependencies::found(kind, resources, starts, (&ONCE, OF_TERMS))),
-            // The elements that the stored dependencies have not are like those that they have.
-            (_, false) => known
-                .and(Dependencies::found(kind, resources, starts, (&ONCE, OF_TERMS)))
-                .of_arrays(declaration),
+        if resources.is_empty() && usual {
+            return known;
         }
+        let more = known.and(Dependencies::found(kind, resources, starts, (&ONCE, OF_TERMS)));
+        // The elements that the stored dependencies have not are like those that they have.
+        if usual { more } else { more.of_arrays(declaration) }
     }
 
     /// The dependencies of a model without terms, determined at all points.
@@ -132,15 +130,12 @@ impl Dependencies {
         for list in [&mut self.outputs, &mut self.rates, &mut self.initial] {
             let all = list.clone();
             for own in list.iter_mut().filter(|own| entry(own.entry).element.is_some()) {
-                let is_like = |other: &&Unknown| {
-                    let (a, b) = (entry(own.entry), entry(other.entry));
-                    b.element.is_some() && std::ptr::eq(a.row, b.row) && a.slot.group == b.slot.group
-                };
-                let of_array = all.iter().filter(is_like).cloned().fold(own.clone(), |sum, other| {
+                let row = entry(own.entry).row;
+                let array = all.iter().filter(|other| std::ptr::eq(row, entry(other.entry).row)).cloned();
+                *own = array.fold(own.clone(), |sum, other| {
                     let on = other.on.into_iter().filter(|k| entry(*k).element.is_none()).collect();
                     sum.and(Unknown { on, ..other })
                 });
-                *own = of_array;
             }
         }
         self

@@ -198,7 +198,7 @@ fn choose(names: &[String]) -> Outcome<Vec<&'static Mutant>> {
 fn compile(workspace: &Workspace, root: &Path, packages: &BTreeSet<&str>) -> Outcome<Vec<Program>> {
     let mut build =
         workspace.cargo(&["test", "--release", "--no-run", "--message-format", "json-render-diagnostics"]);
-    build.args(["--lib", "--tests"]).args(packages.iter().flat_map(|p| ["--package", p]));
+    build.arg("--tests").args(packages.iter().flat_map(|p| ["--package", p]));
     build.current_dir(root).env("CARGO_TARGET_DIR", &workspace.target);
     let messages = shell::output(&mut build).map_err(|e| format!("the mutants do not compile: {e}"))?;
     let programs = programs(&messages);

@@ -26,7 +26,7 @@ const CHECKS: &[Check] = &[
     ("licences", licenses::check),
 ];
 
-/// Checks that compile: a test of `describe` repeats the last one, and clippy compiles every package once more, which takes a minute and a
+/// Checks that compile: a test of `describe` makes the last one at fewer points, and clippy compiles every package once more, which takes a minute and a
 /// half from a fresh clone. They are a part of `cargo xtask tidy` and of the nightly run.
 const FURTHER: &[Check] = &[("lints", lints), ("generated files", describe::check)];
 
