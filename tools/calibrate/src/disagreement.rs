@@ -24,9 +24,9 @@
 use crate::CalibrateError;
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
+use crate::parallel;
 use crate::setup::Setup;
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Largest number of iterations of (3) and the fit. Numerical: a limit of effort; the scale of (4) is chosen afterwards.
@@ -205,7 +205,7 @@ impl<'a> Setup<'a> {
             let fitted = self.fit(self.without_unknowns_of(start, left_out), &others)?;
             Ok(self.squares(left_out, &self.show(&fitted.hypothesis, left_out)?))
         };
-        let parts = files.par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+        let parts = parallel::map(&files, one).into_iter().collect::<Result<Vec<_>, _>>()?;
         Ok(self.score_of(&parts))
     }
 

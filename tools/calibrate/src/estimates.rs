@@ -11,13 +11,13 @@ use crate::hypothesis::Hypothesis;
 use crate::levels::{AT_NOISE, DECISIVE, PART, STRUCTURE, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Whiteness};
+use crate::parallel;
 use crate::prediction;
 use crate::report::{ROLES, column_words};
 use crate::selection::at_limit;
 use crate::setup::{Declared, Setup, Shown};
 use nalgebra::DMatrix;
 use physics::terms::Port;
-use rayon::prelude::*;
 
 /// Largest number of rows of a run in plots. Definition: of the figures and of `residuals.csv`.
 const PLOTTED: usize = 600;
@@ -140,10 +140,9 @@ pub fn outcome(
             notes.extend(beyond::notes(setup, &hypothesis, role, &runs, &slopes));
         }
         let (direct, whole) = setup.input_noise(&slopes);
-        let variances: Vec<Vec<f64>> = (0..runs.len())
-            .into_par_iter()
-            .map(|place| prediction::variance(setup, &hypothesis, &slopes, place, &covariance))
-            .collect();
+        let variances = parallel::indices(runs.len(), |place| {
+            prediction::variance(setup, &hypothesis, &slopes, place, &covariance)
+        });
         let own: Vec<&Shown> = runs.iter().map(|r| &after[*r]).collect();
         let of_role = prediction::structure(setup, &runs, &own, &variances);
         let used = structure.get_or_insert_with(|| of_role.clone());

@@ -15,12 +15,12 @@ mod tests;
 
 use crate::CalibrateError;
 use crate::hypothesis::{Hypothesis, Shape};
+use crate::parallel;
 use crate::setup::{Declared, Setup, Shown, WIDE};
 use crate::tangent::{Direction, Probe, Tangent};
 use least_squares::{Options, Problem, minimise};
 use nalgebra::{DMatrix, DVector};
 use physics::terms::Port;
-use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
 /// Options of a fit near the optimum. Numerical: a step that reduces (1) by less than `decrease` is the last; strong evidence is 60
@@ -125,12 +125,10 @@ impl Slopes {
             }
         }
         probes.extend(further.iter().cloned());
-        let tangents = runs
-            .par_iter()
-            .map(|&run| {
-                Tangent::new(&setup.bench, &setup.smooth[run], &setup.change(hypothesis, run), &probes)
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let tangents = parallel::map(runs, |&run| {
+            Tangent::new(&setup.bench, &setup.smooth[run], &setup.change(hypothesis, run), &probes)
+        });
+        let tangents = tangents.into_iter().collect::<Result<Vec<_>, _>>()?;
         let mut acts: Vec<Option<Vec<usize>>> = setup.declared.iter().map(|d| d.runs.clone()).collect();
         acts.resize(leads.len(), None);
         Ok(Slopes { tangents, leads, acts, runs: runs.to_vec() })
@@ -378,7 +376,7 @@ impl Fit<'_> {
         let of_run = |r: usize| -> Vec<Option<Vec<f64>>> {
             (0..slopes.count()).map(|k| slopes.answer(&fitted.hypothesis, r, k)).collect()
         };
-        let answers: Vec<Vec<Option<Vec<f64>>>> = (0..self.runs.len()).into_par_iter().map(of_run).collect();
+        let answers = parallel::indices(self.runs.len(), of_run);
         let (m, p) = (self.setup.outputs(), self.scales.len());
         let mut all = vec![Vec::new(); m];
         for ((run, shown), answers) in self.runs.iter().zip(&fitted.shown).zip(&answers) {

@@ -22,11 +22,11 @@ use crate::fit::is_wide;
 use crate::hypothesis::Hypothesis;
 use crate::levels::{SAMPLES, SMALL, STRUCTURE};
 use crate::overrides::Override;
+use crate::parallel;
 use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
 use physics::declare::Unit;
 use physics::model::Declaration;
-use rayon::prelude::*;
 
 /// Fewest rows of a run that can be fitted. Derivation: five rows have three second differences, the fewest with a median.
 const LEAST_ROWS: usize = 5;
@@ -215,7 +215,7 @@ fn predicted(
         let shown = Drive::new(experiment, run).and_then(|drive| bench.run(&drive, &Override::default()));
         shown.unwrap_or_else(|_| vec![vec![f64::NAN; run.table.time.len()]; experiment.outputs.len()])
     };
-    runs.par_iter().map(of).collect()
+    parallel::map(runs, of)
 }
 
 /// Prediction of a fit.
@@ -226,12 +226,13 @@ fn predicted_by(
     deadline: &Deadline,
 ) -> Result<Predicted, CalibrateError> {
     let setup = Setup::new(experiment, preset)?.until(deadline.clone());
-    let of = |run: usize| {
+    let of = |run: &usize| {
+        let run = *run;
         let shown = setup.bench.run(&setup.drives[run], &setup.change(fitted, run));
         let rows = experiment.runs[run].table.time.len();
         shown.unwrap_or_else(|_| vec![vec![f64::NAN; rows]; experiment.outputs.len()])
     };
-    Ok(all_runs(experiment).into_par_iter().map(of).collect())
+    Ok(parallel::map(&all_runs(experiment), of))
 }
 
 /// Standard deviations of the preset's prediction due to the priors of the declared parameters; 0 if it cannot be simulated.

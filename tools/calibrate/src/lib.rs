@@ -10,6 +10,7 @@
 //! | [`simulate`], [`overrides`], [`initial`] | native model over a run, parameter overrides, initial states |
 //! | `levels` | significance levels, limits of evidence, relative tolerances: why each number has its value |
 //! | [`hypothesis`], [`catalogue`] | candidate model: parameters, listed effects, unlisted terms |
+//! | `parallel` | parallel evaluation |
 //! | [`setup`] | prepared experiment; residuals by row and by block |
 //! | [`fit`] | parameter estimation of a hypothesis with bounds and priors |
 //! | `disagreement` | runs that disagree by more than the sensor noise |
@@ -47,6 +48,7 @@ pub mod linearization;
 pub mod noise;
 pub mod outcome;
 pub mod overrides;
+mod parallel;
 mod prediction;
 pub mod report;
 pub mod search;

@@ -7,12 +7,12 @@ use crate::experiment::Channel;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::{Addition, Shape, hat};
 use crate::levels::{CALIBRATED, CERTAIN};
+use crate::parallel;
 use crate::search::{latent_input, structure};
 use crate::setup::{Setup, Shown};
 use crate::tangent::{Direction, Probe};
 use nalgebra::{DMatrix, DVector};
 use physics::terms::{Driver, Drivers, Port};
-use rayon::prelude::*;
 
 /// Shortest distance between the knots of a sensor's drift, s. Derivation: about half of the shortest correlation time of a drift, 2000
 /// s.
@@ -363,14 +363,11 @@ fn evidence(
         .collect();
     let added = fitted.hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
     let scales: Vec<f64> = setup.declared.iter().map(|d| d.deviation).chain(added.map(|n| n.scale)).collect();
-    let mut columns: Vec<Vec<f64>> = (0..slopes.count())
-        .into_par_iter()
-        .map(|k| {
-            let mut column = gather(&|r| slopes.answer(&fitted.hypothesis, r, k));
-            column.iter_mut().for_each(|x| *x *= scales[k]);
-            column
-        })
-        .collect();
+    let mut columns = parallel::indices(slopes.count(), |k| {
+        let mut column = gather(&|r| slopes.answer(&fitted.hypothesis, r, k));
+        column.iter_mut().for_each(|x| *x *= scales[k]);
+        column
+    });
     apart.resize(columns.len(), f64::NAN);
     // Initial temperatures, run by run.
     let ambient = setup.experiment.inputs.iter().position(|c| c.is_temperature());

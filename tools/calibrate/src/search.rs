@@ -26,12 +26,12 @@ use crate::hypothesis::Addition;
 use crate::levels::{NEARLY, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
+use crate::parallel;
 use crate::selection::NEAR;
 use laws::{of_two, powers, smooth, varies};
 use memory_terms::{FREE, histories, latent_inputs};
 pub use memory_terms::{best_memory_term, latent_input, latent_input_at, needs_memory};
 use physics::terms::{Driver, Port};
-use rayon::prelude::*;
 pub use structure::structure;
 
 /// Times per run at which a step change is tried. Numerical: every row near the best one follows.
@@ -135,27 +135,26 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
         .collect();
     let jobs: Vec<(Port, Driver)> =
         Port::ALL.iter().flat_map(|p| drivers.iter().map(move |d| (*p, *d))).collect();
-    let mut shapes: Vec<(Port, Driver, Scored)> = jobs
-        .par_iter()
-        .filter_map(|(port, driver)| Some((*port, *driver, smooth(point, *port, *driver, per_number)?)))
-        .collect();
+    let shape_of =
+        |(port, driver): &(Port, Driver)| Some((*port, *driver, smooth(point, *port, *driver, per_number)?));
+    let mut shapes: Vec<(Port, Driver, Scored)> =
+        parallel::map(&jobs, shape_of).into_iter().flatten().collect();
     shapes.sort_by(|a, b| b.2.evidence.total_cmp(&a.2.evidence));
     // A power law is also a smooth shape: if no shape explains much, no power law does.
     let likely = &shapes[..shapes.len().min(LIKELY)];
-    all.par_extend(
-        likely
-            .par_iter()
-            .filter(|(_, driver, _)| *driver != Driver::Time)
-            .flat_map_iter(|(port, driver, _)| powers(point, *port, *driver, per_number)),
-    );
-    let mut free: Vec<Scored> =
-        Port::ALL.par_iter().filter_map(|port| latent_inputs(point, *port, per_number)).collect();
+    let powers_of = |(port, driver, _): &(Port, Driver, Scored)| {
+        if *driver == Driver::Time { None } else { powers(point, *port, *driver, per_number) }
+    };
+    all.extend(parallel::map(likely, powers_of).into_iter().flatten());
+    let free = parallel::map(Port::ALL, |port| latent_inputs(point, *port, per_number));
+    let mut free: Vec<Scored> = free.into_iter().flatten().collect();
     free.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
     all.extend(of_two(point, &ports, &shapes, per_number));
     all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
     all.extend(hidden::lagging(point, &ports, per_number));
-    all.par_extend(ports.par_iter().flat_map_iter(|port| histories(point, *port, per_number)));
+    let past = parallel::map(&ports, |port| histories(point, *port, per_number));
+    all.extend(past.into_iter().flatten());
     all.extend(free);
     leave_to_the_air(&mut all);
     all.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
@@ -195,43 +194,38 @@ fn within(value: f64, limits: (f64, f64)) -> bool {
 fn listed(point: &Linearization, per_number: f64) -> Vec<Scored> {
     let runs = point.runs.len();
     let known: Vec<_> = point.listed().collect();
-    let mut all: Vec<Scored> = (0..known.len())
-        .into_par_iter()
-        .flat_map_iter(|k| {
-            let (listed, addition) = known[k];
-            let patterns: Vec<Vec<bool>> = if listed.may_vary && runs <= 6 {
-                (1..1usize << runs).map(|bits| (0..runs).map(|r| bits >> r & 1 == 1).collect()).collect()
-            } else {
-                vec![vec![true; runs]]
-            };
-            let everywhere = patterns.len();
-            patterns
-                .into_iter()
-                .filter_map(|pattern| {
-                    let gain = point.evidence.gain(&point.listed_column(k, &pattern)?)?;
-                    let partly = pattern.iter().any(|on| !on);
-                    let base = point.base(addition);
-                    let size = possible(base, gain.size[0], addition.numbers[0].limits)?;
-                    // An effect that is declared to act everywhere may have another size in some runs.
-                    if base != 0.0 && !partly {
-                        return None;
-                    }
-                    let mut addition = addition.clone();
-                    addition.numbers[0].value = size;
-                    if partly {
-                        // The effect is inactive in runs outside the fit until they are evaluated.
-                        addition.active.fill(false);
-                        point.runs.iter().zip(&pattern).for_each(|(run, on)| addition.active[*run] = *on);
-                    }
-                    // Penalty for the choice of runs: 2 ln of the number of choices.
-                    let choice = if partly { 2.0 * (everywhere as f64).ln() } else { 0.0 };
-                    let name =
-                        if partly { format!("{} in some runs", listed.id) } else { listed.id.to_string() };
-                    Some(named(listed, name, addition, &gain, per_number + choice))
-                })
-                .collect::<Vec<_>>()
-        })
-        .collect();
+    let of = |k: usize| -> Vec<Scored> {
+        let (listed, addition) = known[k];
+        let patterns: Vec<Vec<bool>> = if listed.may_vary && runs <= 6 {
+            (1..1usize << runs).map(|bits| (0..runs).map(|r| bits >> r & 1 == 1).collect()).collect()
+        } else {
+            vec![vec![true; runs]]
+        };
+        let everywhere = patterns.len();
+        let with = |pattern: Vec<bool>| {
+            let gain = point.evidence.gain(&point.listed_column(k, &pattern)?)?;
+            let partly = pattern.iter().any(|on| !on);
+            let base = point.base(addition);
+            let size = possible(base, gain.size[0], addition.numbers[0].limits)?;
+            // An effect that is declared to act everywhere may have another size in some runs.
+            if base != 0.0 && !partly {
+                return None;
+            }
+            let mut addition = addition.clone();
+            addition.numbers[0].value = size;
+            if partly {
+                // The effect is inactive in runs outside the fit until they are evaluated.
+                addition.active.fill(false);
+                point.runs.iter().zip(&pattern).for_each(|(run, on)| addition.active[*run] = *on);
+            }
+            // Penalty for the choice of runs: 2 ln of the number of choices.
+            let choice = if partly { 2.0 * (everywhere as f64).ln() } else { 0.0 };
+            let name = if partly { format!("{} in some runs", listed.id) } else { listed.id.to_string() };
+            Some(named(listed, name, addition, &gain, per_number + choice))
+        };
+        patterns.into_iter().filter_map(with).collect()
+    };
+    let mut all: Vec<Scored> = parallel::indices(known.len(), of).into_iter().flatten().collect();
     let everywhere = vec![true; point.setup.experiment.runs.len()];
     for listed in LISTED.iter().filter(|l| l.way != Way::Slope) {
         if point.fitted.hypothesis.additions.iter().any(|a| a.id == listed.id) {
@@ -268,7 +262,9 @@ fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain
             let known = times.iter().zip(gains).filter_map(|(at, gain)| Some((*at, gain?)));
             known.filter(|(_, gain)| within(gain.size[0], addition.numbers[0].limits)).collect()
         };
-        let mut gains: Vec<(f64, Gain)> = times.par_chunks(TOGETHER).flat_map_iter(part).collect();
+        let parts: Vec<&[f64]> = times.chunks(TOGETHER).collect();
+        let gains = parallel::map(&parts, |times| part(times));
+        let mut gains: Vec<(f64, Gain)> = gains.into_iter().flatten().collect();
         gains.sort_by(|a, b| b.1.whitened.total_cmp(&a.1.whitened));
         gains
     };
@@ -318,17 +314,14 @@ fn store(point: &Linearization, addition: Addition) -> Option<(Addition, Gain)> 
             NODES.iter().map(|(c, r)| vec![c * capacity, r * resistance]).collect()
         }
     };
-    let tried: Vec<(Addition, Gain)> = trials
-        .par_iter()
-        .filter_map(|values| {
-            let mut trial = addition.clone();
-            trial.numbers.iter_mut().zip(values).for_each(|(n, v)| n.value = *v);
-            let gain = point.evidence.gain(&point.simulated_column(&trial)?)?;
-            // The estimated size is relative to the trial.
-            (gain.size[0] > LEAST_TRIAL).then_some((trial, gain))
-        })
-        .collect();
-    tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))
+    let tried = parallel::map(&trials, |values| {
+        let mut trial = addition.clone();
+        trial.numbers.iter_mut().zip(values).for_each(|(n, v)| n.value = *v);
+        let gain = point.evidence.gain(&point.simulated_column(&trial)?)?;
+        // The estimated size is relative to the trial.
+        (gain.size[0] > LEAST_TRIAL).then_some((trial, gain))
+    });
+    tried.into_iter().flatten().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))
 }
 
 fn scored(name: String, port: Port, follows: Follows, gain: &Gain, cost: f64, x: &[f64]) -> Scored {

@@ -16,13 +16,13 @@ use crate::hypothesis::{Addition, Hypothesis};
 use crate::levels::{DECISIVE, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
+use crate::parallel;
 use crate::search::{Scored, choice};
 use crate::setup::Setup;
 pub use companion::companion;
 use gate::{Judged, gate};
 pub use gate::{acting, asked, predicts_where_it_acts};
 use preference::{best_predicting, is_part, listed_instead, order_by_likelihood};
-use rayon::prelude::*;
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
 /// 3.2.
@@ -215,8 +215,7 @@ pub fn shares(deltas: &[f64]) -> impl Fn(f64) -> f64 + use<> {
 /// The candidates of a round, fitted.
 fn candidates<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
     let chosen: Vec<&Scored> = choose(scored).into_iter().filter(|scored| !repeats(start, scored)).collect();
-    let fitted: Vec<Result<Candidate<'a>, CalibrateError>> =
-        chosen.par_iter().map(|scored| fitted(point, start, scored)).collect();
+    let fitted = parallel::map(&chosen, |scored| fitted(point, start, scored));
     let (mut candidates, mut failed) = (Vec::new(), Vec::new());
     for (result, scored) in fitted.into_iter().zip(chosen) {
         match result {

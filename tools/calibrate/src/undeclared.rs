@@ -19,12 +19,12 @@ use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::levels::NEARLY;
 use crate::linearization::Linearization;
+use crate::parallel;
 use crate::search::Scored;
 use crate::selection::{LEAST, compete};
 use crate::setup::{Declared, Setup};
 use physics::declare::{Causality, Kind};
 use physics::model::Entry;
-use rayon::prelude::*;
 
 /// Change of ln p for the difference in (1). Numerical: the error of the sensitivity is 1 %.
 const STEP: f64 = 0.01;
@@ -71,22 +71,22 @@ pub fn best<'a>(point: &Linearization<'a>, least: f64) -> Option<Released<'a>> {
     let preset = setup.judged(setup.preset(), &point.runs);
     let preset = preset.and_then(|fitted| Linearization::judged(setup, fitted, &point.runs)).ok();
     let far = preset.as_ref().map_or_else(Vec::new, |preset| likely(preset, LEAST));
-    let starts = near.into_par_iter().map(|own| (point, own));
-    let starts = starts.chain(far.into_par_iter().filter_map(|own| Some((preset.as_ref()?, own))));
-    let all = starts.filter_map(|(start, (_, own, value))| fitted(point, &start.fitted, own, value).ok());
-    let all = all.filter(|own| own.is_inside());
-    all.max_by(|a, b| a.fall.total_cmp(&b.fall))
+    let starts = near.into_iter().map(|own| (point, own));
+    let starts = starts.chain(far.into_iter().filter_map(|own| Some((preset.as_ref()?, own))));
+    let starts: Vec<(&Linearization, (f64, Declared, f64))> = starts.collect();
+    let all = parallel::map(&starts, |(start, (_, own, value))| {
+        fitted(point, &start.fitted, own.clone(), *value).ok().filter(Released::is_inside)
+    });
+    all.into_iter().flatten().max_by(|a, b| a.fall.total_cmp(&b.fall))
 }
 
 /// The parameters without prior that explain most of the residual of a model, with the evidence and the value by (1).
 fn likely(point: &Linearization, least: f64) -> Vec<(f64, Declared, f64)> {
-    let mut all: Vec<(f64, Declared, f64)> = candidates(point.setup)
-        .into_par_iter()
-        .filter_map(|own| {
-            let (sure, value) = explained(point, &own)?;
-            (sure > least).then_some((sure, own, value))
-        })
-        .collect();
+    let all = parallel::map(&candidates(point.setup), |own| {
+        let (sure, value) = explained(point, own)?;
+        (sure > least).then(|| (sure, own.clone(), value))
+    });
+    let mut all: Vec<(f64, Declared, f64)> = all.into_iter().flatten().collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.truncate(FITTED);
     all

@@ -11,8 +11,8 @@ use brushed_gearmotor::BrushedGearmotor;
 use gait_load::GaitLoad;
 use series_elastic_actuator::SeriesElasticActuator;
 
-/// All models of the project.
-pub const ALL: &[ModelType] =
+/// All models of the project. A static: a constant would compile all of physics again in each crate that mentions it.
+pub static ALL: &[ModelType] =
     &[AnnulusCooledMotor::TYPE, BrushedGearmotor::TYPE, SeriesElasticActuator::TYPE, GaitLoad::TYPE];
 
 /// The model of this name.

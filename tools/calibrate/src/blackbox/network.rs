@@ -12,10 +12,10 @@ use super::{Candidate, Series};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role};
+use crate::parallel;
 use least_squares::{Options, Problem, minimise};
 use nalgebra::{DMatrix, DVector};
 use physics::declare::Unit;
-use rayon::prelude::*;
 
 /// Temperature coefficient of copper, 1/K, at [`T_0`]. Source: IEC 60028, 0.00393 / K at 20 degC; a black box needs no third digit.
 const ALPHA: f64 = 0.0039;
@@ -59,11 +59,13 @@ pub fn candidates(experiment: &Experiment, all: &[Series], deadline: &Deadline) 
         let found = minimise(&held, x, &limits, options).ok()?;
         Some((held.cost(&found.point), found.x))
     };
-    let begun = STARTS.par_iter().filter_map(|start| {
+    let begun = parallel::map(&STARTS, |start| {
         let start = fit.start(*start);
         Some((run(start.clone(), start.clone(), &FIRST)?, start))
     });
-    let Some(((_, x), start)) = begun.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else { return found };
+    let Some(((_, x), start)) = begun.into_iter().flatten().min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
+        return found;
+    };
     let Some((_, x)) = run(x, start, &OPTIONS) else { return found };
     let predicted: Vec<Vec<Vec<f64>>> = all.iter().map(|run| fit.simulated(run, &x)).collect();
     for (n, output) in fit.outputs.iter().enumerate() {
@@ -292,14 +294,11 @@ impl Problem for Held<'_> {
     fn linearise(&self, x: &DVector<f64>, point: &DVector<f64>) -> Result<DMatrix<f64>, CalibrateError> {
         /// Change of a logarithm for its sensitivity. Numerical: half of the digits remain in the difference.
         const WAY: f64 = 1e-4;
-        let columns: Vec<DVector<f64>> = (0..x.len())
-            .into_par_iter()
-            .map(|k| {
-                let mut aside = x.clone();
-                aside[k] += WAY;
-                (self.all(&aside) - point) / WAY
-            })
-            .collect();
+        let columns = parallel::indices(x.len(), |k| {
+            let mut aside = x.clone();
+            aside[k] += WAY;
+            (self.all(&aside) - point) / WAY
+        });
         Ok(DMatrix::from_columns(&columns))
     }
 

@@ -11,8 +11,8 @@ use crate::evidence::Gain;
 use crate::hypothesis::{Axis, Number, Shape, followed, hat, power};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
+use crate::parallel;
 use physics::terms::{Driver, Factor, Lag, Port};
-use rayon::prelude::*;
 
 /// Shortest time constant that is tried, in rows. Numerical: a shorter lag cannot be distinguished from the driver itself.
 const ROWS: f64 = 5.0;
@@ -71,8 +71,7 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
         .filter(|d| *d != Driver::Time && is_known(point, *d) && varies(point, *d) && moves(*d))
         .collect();
     let tried: Vec<(Driver, f64)> = drivers.iter().flat_map(|d| taus.iter().map(|tau| (*d, *tau))).collect();
-    let late: Vec<Late> =
-        tried.into_par_iter().map(|(driver, tau)| Late::new(point, Lag { driver, tau })).collect();
+    let late = parallel::map(&tried, |(driver, tau)| Late::new(point, Lag { driver: *driver, tau: *tau }));
     let places: Vec<(Port, Driver)> =
         ports.iter().flat_map(|p| drivers.iter().map(move |d| (*p, *d))).collect();
     let find = |(port, driver): &(Port, Driver)| {
@@ -82,9 +81,9 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
         let (best, _) = best(gains)?;
         let laws =
             [powers(point, *port, best, &taus, per_number), table(point, *port, best, &taus, per_number)];
-        Some(laws.into_iter().flatten())
+        Some(laws)
     };
-    places.par_iter().filter_map(find).flat_map_iter(|laws| laws).collect()
+    parallel::map(&places, find).into_iter().flatten().flatten().flatten().collect()
 }
 
 fn best<T>(gains: impl Iterator<Item = (T, Option<Gain>)>) -> Option<(T, Gain)> {

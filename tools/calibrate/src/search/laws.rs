@@ -18,10 +18,10 @@ use crate::hypothesis::{Addition, Axis, Number, Shape, place, power, values, wei
 use crate::levels::{NEARLY, PART};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
+use crate::parallel;
 use crate::selection::LEAST;
 use nalgebra::DMatrix;
 use physics::terms::{Driver, Drivers, Factor, Port};
-use rayon::prelude::*;
 
 /// Knots of a smooth function of a driver. Numerical: its prior correlates neighbouring knots by 0.85, exp(-1/6).
 const KNOTS: usize = 7;
@@ -258,7 +258,7 @@ pub(super) fn of_two(
         let found = over(point, *port, vec![axis(*first)?, axis(*second)?], per_number)?;
         (found.sure() > best.max(0.0) + LEAST).then_some(found)
     };
-    let mut all: Vec<Scored> = places.par_iter().filter_map(find).collect();
+    let mut all: Vec<Scored> = parallel::map(&places, find).into_iter().flatten().collect();
     // An effect at a node depends on the temperature of that node, if it explains nearly as much as that of the other one.
     let found: Vec<(Port, Follows, f64)> = all.iter().map(|s| (s.port, s.follows, s.sure())).collect();
     all.retain(|s| {

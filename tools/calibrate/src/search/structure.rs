@@ -13,9 +13,9 @@ use super::laws::{alike, is_known, knots};
 use crate::hypothesis::hat;
 use crate::levels::NEGLIGIBLE;
 use crate::linearization::Linearization;
+use crate::parallel;
 use nalgebra::{DMatrix, DVector};
 use physics::terms::{Driver, Drivers, Port};
-use rayon::prelude::*;
 
 /// Greatest number of directions. Numerical: as many columns as the drifts of two sensors have; the pivots take the greatest
 /// contributions first.
@@ -28,8 +28,8 @@ pub fn structure(point: &Linearization) -> DMatrix<f64> {
         .flat_map(|port| Driver::ALL.iter().map(move |driver| (*port, *driver)))
         .filter(|(_, driver)| !driver.is_heat() && is_known(point, *driver))
         .collect();
-    let laws: Vec<DMatrix<f64>> =
-        places.par_iter().filter_map(|(port, driver)| law(point, *port, *driver)).collect();
+    let laws = parallel::map(&places, |(port, driver)| law(point, *port, *driver));
+    let laws: Vec<DMatrix<f64>> = laws.into_iter().flatten().collect();
     compressed(&laws, point.evidence.values())
 }
 

@@ -116,7 +116,7 @@ impl AnnulusCooledMotor {
             }
             return Ok([from, mean, to]);
         }
-        let before = self.clone();
+        let before = self.checkpoint();
         self.hold_drivers(&mean);
         let taken = self.take_substeps(time, h);
         to = self.drivers_after(time + h, 0.0);
@@ -125,7 +125,7 @@ impl AnnulusCooledMotor {
             let over_step = &self.own.state.integrals.temperature;
             (mean.winding_temperature, mean.housing_temperature) = (over_step[0] / h, over_step[1] / h);
         }
-        *self = before;
+        self.return_to(before);
         taken?;
         Ok([from, mean, to])
     }
@@ -257,7 +257,7 @@ impl AnnulusCooledMotor {
 
     /// True temperature of the housing, K.
     pub(super) fn housing_temperature(&self) -> f64 {
-        self.own.network.as_ref().map_or(self.own.state.temperature[1], Network::housing_temperature)
+        self.own.network.as_deref().map_or(self.own.state.temperature[1], Network::housing_temperature)
     }
 
     /// Advances the sensors over the last integration step, of `h` seconds; `before` are the temperatures of their nodes at its start, K. With

@@ -43,8 +43,8 @@ pub struct Motor {
     pub(super) split: Split<NODES>,
     /// Temperature of each phase relative to the mean winding temperature.
     pub(super) phases: Phases,
-    /// Thermal network beside winding and stator, if the cooling mode has one.
-    pub(super) network: Option<Network>,
+    /// Thermal network beside winding and stator, if the cooling mode has one. In a box: it is twice as large as the rest.
+    pub(super) network: Option<Box<Network>>,
     /// Inconsistency between parameters.
     pub(super) fault: Option<String>,
 }
@@ -118,7 +118,7 @@ impl AnnulusCooledMotor {
     #[inline(always)]
     pub(super) fn equations(&self) -> Step<'_> {
         let own = &self.own;
-        self.equations_of(&self.parameters, &own.constants, own.network.as_ref(), own.fan)
+        self.equations_of(&self.parameters, &own.constants, own.network.as_deref(), own.fan)
     }
 
     /// The equations in the present state with other parameters, and what follows from them. Inlined, so that only what an output needs is
@@ -163,7 +163,9 @@ impl AnnulusCooledMotor {
                 Some(network)
             }
             // A new network starts at the temperature of the node that it replaces.
-            (_, Some(body)) => Some(Network::new(&self.parameters, body, self.own.state.temperature[1])),
+            (_, Some(body)) => {
+                Some(Box::new(Network::new(&self.parameters, body, self.own.state.temperature[1])))
+            }
             (_, None) => None,
         };
     }
@@ -171,7 +173,7 @@ impl AnnulusCooledMotor {
     /// Temperatures with limits of validity.
     pub(super) fn extremes(&self) -> Extremes {
         let [winding, core] = [self.own.state.temperature[0], self.own.state.temperature[1]];
-        let magnets = self.own.network.as_ref().map_or(core, Network::rotor_temperature);
+        let magnets = self.own.network.as_deref().map_or(core, Network::rotor_temperature);
         Extremes { winding: winding + self.own.phases.hottest(), magnets, lowest: winding.min(magnets) }
     }
 }

@@ -36,7 +36,7 @@ impl AnnulusCooledMotor {
             self.pre.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
         });
         if !is_told && (is_cooled || !cooled) {
-            let (step, network) = (self.equations(), own.network.as_ref());
+            let (step, network) = (self.equations(), own.network.as_deref());
             return look(&Reading { run: self, step, network, stored_at_start: own.stored_at_start });
         }
         let mut parameters = self.parameters;
@@ -49,7 +49,7 @@ impl AnnulusCooledMotor {
             constants = Some(changed);
         }
         let constants = constants.as_ref().unwrap_or(&own.constants);
-        let mut network = own.network.clone();
+        let mut network = own.network.as_deref().cloned();
         if let Some(network) = &mut network {
             if cools || self.pre.is_none() {
                 network.forget();

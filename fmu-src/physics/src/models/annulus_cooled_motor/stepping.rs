@@ -31,7 +31,31 @@ const PARTS: f64 = 32.0;
 /// Largest number of parts: a law far outside the data may change by many of its spans.
 const MOST_PARTS: f64 = 128.0;
 
+/// The motor before a step that may be undone. The network is apart, so that it is copied without an allocation.
+pub(super) struct Checkpoint {
+    motor: AnnulusCooledMotor,
+    network: Option<Network>,
+}
+
 impl AnnulusCooledMotor {
+    /// The present state, for [`Self::return_to`].
+    pub(super) fn checkpoint(&mut self) -> Checkpoint {
+        let network = self.own.network.take();
+        let kept = Checkpoint { motor: self.clone(), network: network.as_deref().cloned() };
+        self.own.network = network;
+        kept
+    }
+
+    /// Undoes what happened since. A step neither creates nor removes a network.
+    pub(super) fn return_to(&mut self, before: Checkpoint) {
+        let mut network = self.own.network.take();
+        *self = before.motor;
+        if let (Some(network), Some(before)) = (&mut network, before.network) {
+            **network = before;
+        }
+        self.own.network = network;
+    }
+
     /// A step without an event inside.
     #[inline]
     pub(super) fn advance(&mut self, time: f64, h: f64) -> Result<(), Halt> {
@@ -54,7 +78,7 @@ impl AnnulusCooledMotor {
     /// A step in which the drivers of the terms change much, in equal parts.
     #[inline(never)]
     fn advance_in_parts(&mut self, time: f64, h: f64, parts: f64) -> Result<(), Halt> {
-        let (before, slopes, part) = (self.clone(), self.slopes, h / parts);
+        let (before, slopes, part) = (self.checkpoint(), self.slopes, h / parts);
         for k in 0..parts as usize {
             self.put_slopes(slopes);
             let at = time + k as f64 * part;
@@ -63,7 +87,7 @@ impl AnnulusCooledMotor {
                 self.take_substeps(at, part)
             });
             if let Err(halt) = taken {
-                *self = before;
+                self.return_to(before);
                 return Err(halt);
             }
         }
@@ -139,7 +163,7 @@ impl AnnulusCooledMotor {
                 Err(shorter) => trial = shorter,
             }
         }
-        let before = self.clone();
+        let before = self.checkpoint();
         let (mut done, mut tried) = (0.0, 0);
         while done < h {
             let rest = h - done;
@@ -147,7 +171,7 @@ impl AnnulusCooledMotor {
             tried += 1;
             if substep < LEAST_SHARE * h || tried > MOST_STEPS {
                 let fault = self.step_failure(time, done, substep);
-                *self = before;
+                self.return_to(before);
                 return Err(fault.into());
             }
             match self.substep(time + done, substep) {
@@ -160,7 +184,7 @@ impl AnnulusCooledMotor {
                 }
                 Ok(Err(shorter)) => trial = shorter,
                 Err(halt) => {
-                    *self = before;
+                    self.return_to(before);
                     return Err(halt);
                 }
             }

@@ -19,10 +19,10 @@ use crate::experiment::Experiment;
 use crate::hypothesis::Hypothesis;
 use crate::intake::median;
 use crate::levels::SAMPLES;
+use crate::parallel;
 use crate::selection::LEAST as VERY_STRONG;
 use crate::setup::Setup;
 use crate::simulate::Drive;
-use rayon::prelude::*;
 
 /// Shifts on either side of the estimate, evenly from zero to twice the estimate. Numerical: the cost is nearly quadratic over a step.
 const AROUND: i32 = 20;
@@ -86,15 +86,16 @@ impl Fit<'_> {
         if self.late > 0.0 {
             return Some(true);
         }
-        let cost = |n: i32| -> Option<f64> {
-            let tau = LAGS.0 * self.late.abs() * LAGS.1.powi(n);
+        let lags: Vec<i32> = (0..LAGS.2).collect();
+        let cost = |n: &i32| -> Option<f64> {
+            let tau = LAGS.0 * self.late.abs() * LAGS.1.powi(*n);
             let mut changed = self.setup.experiment.clone();
             for table in changed.runs.iter_mut().map(|r| &mut r.table) {
                 table.columns[k] = lagging(table, k, tau);
             }
             parts.iter().map(|part| self.simulated(part, &changed)).sum()
         };
-        let costs: Option<Vec<f64>> = (0..LAGS.2).into_par_iter().map(cost).collect();
+        let costs: Option<Vec<f64>> = parallel::map(&lags, cost).into_iter().collect();
         Some(costs?.iter().all(|lagged| *lagged > common + VERY_STRONG))
     }
 
@@ -137,7 +138,7 @@ impl Fit<'_> {
             Who::Input(_) => self.simulated(part, &with_moved(self.setup.experiment, self.who, *late)),
             _ => Some(outputs.iter().map(|k| self.cost(part, *k, part.about.late(*k, *late))).sum()),
         };
-        shifts.par_iter().map(one).collect()
+        parallel::map(shifts, one).into_iter().collect()
     }
 
     /// (1) with the inputs of another experiment.
