@@ -50,9 +50,17 @@ def test_every_example_has_its_expected_output():
 
 
 # The walking study and the five splits take minutes; `test_walking_study.py` tests the sentences of the former every day. MuJoCo and Dask
-# serve one example each. What 05 and 07 add to `test_reproduce.py`, `test_seed_runs.py` and `test_close_loop.py` are their stored numbers, for
-# half a minute each.
-NIGHTLY = ("05_thesis", "07_refit_against_repair", "08_walking_study", "10_mujoco_leg", "11_dask_sweep", "14_runs_that_disagree")
+# serve one example each. What 02, 05 and 07 add to `test_actuator.py`, `test_reproduce.py`, `test_seed_runs.py` and `test_close_loop.py` are
+# their stored numbers, for half a minute each.
+NIGHTLY = (
+    "02_walking",
+    "05_thesis",
+    "07_refit_against_repair",
+    "08_walking_study",
+    "10_mujoco_leg",
+    "11_dask_sweep",
+    "14_runs_that_disagree",
+)
 
 
 def _marked(script):

@@ -9,14 +9,19 @@
 //! of the equations near the end of a long step. The second test therefore evaluates the derivatives at the end of the step and
 //! compares them with the slope of the extrapolated solution there (the defect: Enright, Journal of Computational and Applied Mathematics
 //! 125 (2000) 159-170). A sign change of an event indicator ends the step behind it: shorter steps from the same point locate it. The first step is that of Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, section II.4.
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+mod jacobian;
+
+use jacobian::{Implicit, Jacobian};
+use nalgebra::DVector;
+use std::rc::Rc;
 
 /// Columns of the table at most, and the first that may be accepted.
 const COLUMNS: usize = 8;
 const FIRST: usize = 2;
 /// Steps for which a Jacobian is kept.
 const JACOBIAN_STEPS: usize = 10;
-/// States up to which there is a Jacobian, a full matrix of 32 MB. With more the method is explicit: the Jacobian is taken as zero.
+/// States up to which there is a Jacobian, at most a full matrix of 32 MB. With more the method is explicit: the Jacobian is taken as zero.
 const MOST_IMPLICIT: usize = 2000;
 
 /// The right-hand side of a system of ordinary differential equations.
@@ -75,7 +80,8 @@ pub struct Solver {
     sizes: Vec<f64>,
     /// Length of the next step (s); 0 before the first.
     next: f64,
-    jacobian: Option<(DMatrix<f64>, usize)>,
+    /// Jacobian, and the number of steps that have used it.
+    jacobian: Option<(Rc<Jacobian>, usize)>,
     /// Event indicators at the end of the last step.
     indicators: Vec<f64>,
     evaluations: usize,
@@ -259,7 +265,7 @@ impl Solver {
             return Ok(Attempt { x: Vec::new(), error: 0.0, next: f64::INFINITY });
         }
         if x.len() <= MOST_IMPLICIT && self.jacobian.as_ref().is_none_or(|(_, age)| *age >= JACOBIAN_STEPS) {
-            self.jacobian = self.differences(equations, t, x)?.map(|matrix| (matrix, 0));
+            self.jacobian = self.differences(equations, t, x)?.map(|jacobian| (Rc::new(jacobian), 0));
             if self.jacobian.is_none() {
                 return Ok(Attempt::failed(h));
             }
@@ -319,13 +325,8 @@ impl Solver {
     }
 
     /// I - h J; `None` without Jacobian.
-    fn matrix(&self, h: f64) -> Option<LU<f64, Dyn, Dyn>> {
-        let (jacobian, _) = self.jacobian.as_ref()?;
-        let mut matrix = jacobian * -h;
-        for k in 0..matrix.nrows() {
-            matrix[(k, k)] += 1.0;
-        }
-        Some(matrix.lu())
+    fn matrix(&self, h: f64) -> Option<Implicit> {
+        self.jacobian.as_ref().map(|(jacobian, _)| Implicit::new(jacobian, h))
     }
 
     /// The linearly implicit Euler method in equal parts.
@@ -335,7 +336,7 @@ impl Solver {
         (t, x): (f64, &[f64]),
         h: f64,
         parts: usize,
-        matrix: Option<&LU<f64, Dyn, Dyn>>,
+        matrix: Option<&Implicit>,
     ) -> Result<Option<Row>, Stopped> {
         let step = h / parts as f64;
         let mut state = DVector::from_column_slice(x);
@@ -357,21 +358,20 @@ impl Solver {
         equations: &mut System,
         t: f64,
         x: &[f64],
-    ) -> Result<Option<DMatrix<f64>>, Stopped> {
-        let n = x.len();
+    ) -> Result<Option<Jacobian>, Stopped> {
         let Some(middle) = self.rates(equations, t, x)? else { return Ok(None) };
-        let mut matrix = DMatrix::zeros(n, n);
+        let mut columns = Vec::with_capacity(x.len());
         let mut moved = x.to_vec();
-        for column in 0..n {
+        for column in 0..x.len() {
             let size = x[column].abs().max(1e-3 * self.sizes[column]);
             let by = f64::EPSILON.sqrt() * size * if x[column] < 0.0 { -1.0 } else { 1.0 };
             moved[column] = x[column] + by;
             let by = moved[column] - x[column];
             let Some(rates) = self.rates(equations, t, &moved)? else { return Ok(None) };
-            matrix.set_column(column, &((rates - &middle) / by));
+            columns.push((rates - &middle) / by);
             moved[column] = x[column];
         }
-        Ok(Some(matrix))
+        Ok(Some(Jacobian::new(columns)))
     }
 
     /// The derivatives; `None` where they do not exist or are not finite.
@@ -384,9 +384,9 @@ impl Solver {
 }
 
 /// The rates times the inverse of I - h J; unchanged without Jacobian.
-fn solved(matrix: Option<&LU<f64, Dyn, Dyn>>, mut rates: DVector<f64>) -> Option<DVector<f64>> {
+fn solved(matrix: Option<&Implicit>, rates: DVector<f64>) -> Option<DVector<f64>> {
     match matrix {
-        Some(matrix) => matrix.solve_mut(&mut rates).then_some(rates),
+        Some(matrix) => matrix.solve(rates),
         None => Some(rates),
     }
 }
