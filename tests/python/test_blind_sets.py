@@ -1,10 +1,12 @@
-"""Sets of the blind suite, drawn, run and judged: no effect at all, a wrong sign, and every night a pair that only together predicts better."""
+"""Sets of the blind suite, drawn, run and judged: no effect at all, a wrong sign, a pair that only together predicts better."""
 
 import json
 
 import pytest
 from blind import draw, judge, make, run
 from blind.files import write_set
+
+pytestmark = pytest.mark.nightly
 
 SEED = 41
 SETS = {
@@ -23,7 +25,6 @@ def test_a_set_is_right(number, kind, program, tmp_path):
     assert one.outcome == judge.RIGHT, f"{one.sentence}: {SETS[number, kind]}"
 
 
-@pytest.mark.nightly
 def test_an_effect_that_predicts_worse_alone_is_found_with_a_second_one(program, tmp_path):
     """The lag of the winding's sensor explains most; beside the other differences of this specimen it does not predict better alone."""
     s = make.made(35227, 21)
