@@ -11,6 +11,11 @@ pub fn map<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> 
     indices(items.len(), |k| f(&items[k]))
 }
 
+/// All values of `f` for the items, none to several each, in their order.
+pub fn flat_map<T: Sync, I: IntoIterator + Send>(items: &[T], f: impl Fn(&T) -> I + Sync) -> Vec<I::Item> {
+    map(items, f).into_iter().flatten().collect()
+}
+
 /// Values of `f` for 0, 1, ..., `count` - 1.
 pub fn indices<R: Send>(count: usize, f: impl Fn(usize) -> R + Sync) -> Vec<R> {
     let values: Vec<Mutex<Option<R>>> = (0..count).map(|_| Mutex::new(None)).collect();
@@ -37,6 +42,10 @@ mod tests {
         let items: Vec<u64> = (0..1000).collect();
         let squares: Vec<u64> = items.iter().map(|n| n * n).collect();
         assert_eq!(map(&items, |n| map(&[*n], |n| n * n)[0]), squares);
+        assert_eq!(
+            flat_map(&items, |n| (n % 2 == 1).then_some(*n)),
+            (1..1000).step_by(2).collect::<Vec<_>>()
+        );
         assert_eq!(indices(0, |k| k), Vec::<usize>::new());
     }
 }

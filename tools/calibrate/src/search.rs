@@ -137,24 +137,21 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
         Port::ALL.iter().flat_map(|p| drivers.iter().map(move |d| (*p, *d))).collect();
     let shape_of =
         |(port, driver): &(Port, Driver)| Some((*port, *driver, smooth(point, *port, *driver, per_number)?));
-    let mut shapes: Vec<(Port, Driver, Scored)> =
-        parallel::map(&jobs, shape_of).into_iter().flatten().collect();
+    let mut shapes = parallel::flat_map(&jobs, shape_of);
     shapes.sort_by(|a, b| b.2.evidence.total_cmp(&a.2.evidence));
     // A power law is also a smooth shape: if no shape explains much, no power law does.
     let likely = &shapes[..shapes.len().min(LIKELY)];
     let powers_of = |(port, driver, _): &(Port, Driver, Scored)| {
         if *driver == Driver::Time { None } else { powers(point, *port, *driver, per_number) }
     };
-    all.extend(parallel::map(likely, powers_of).into_iter().flatten());
-    let free = parallel::map(Port::ALL, |port| latent_inputs(point, *port, per_number));
-    let mut free: Vec<Scored> = free.into_iter().flatten().collect();
+    all.extend(parallel::flat_map(likely, powers_of));
+    let mut free = parallel::flat_map(Port::ALL, |port| latent_inputs(point, *port, per_number));
     free.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
     all.extend(of_two(point, &ports, &shapes, per_number));
     all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
     all.extend(hidden::lagging(point, &ports, per_number));
-    let past = parallel::map(&ports, |port| histories(point, *port, per_number));
-    all.extend(past.into_iter().flatten());
+    all.extend(parallel::flat_map(&ports, |port| histories(point, *port, per_number)));
     all.extend(free);
     leave_to_the_air(&mut all);
     all.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
@@ -263,8 +260,7 @@ fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain
             known.filter(|(_, gain)| within(gain.size[0], addition.numbers[0].limits)).collect()
         };
         let parts: Vec<&[f64]> = times.chunks(TOGETHER).collect();
-        let gains = parallel::map(&parts, |times| part(times));
-        let mut gains: Vec<(f64, Gain)> = gains.into_iter().flatten().collect();
+        let mut gains = parallel::flat_map(&parts, |times| part(times));
         gains.sort_by(|a, b| b.1.whitened.total_cmp(&a.1.whitened));
         gains
     };
@@ -314,14 +310,14 @@ fn store(point: &Linearization, addition: Addition) -> Option<(Addition, Gain)> 
             NODES.iter().map(|(c, r)| vec![c * capacity, r * resistance]).collect()
         }
     };
-    let tried = parallel::map(&trials, |values| {
+    let tried = parallel::flat_map(&trials, |values| {
         let mut trial = addition.clone();
         trial.numbers.iter_mut().zip(values).for_each(|(n, v)| n.value = *v);
         let gain = point.evidence.gain(&point.simulated_column(&trial)?)?;
         // The estimated size is relative to the trial.
         (gain.size[0] > LEAST_TRIAL).then_some((trial, gain))
     });
-    tried.into_iter().flatten().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))
+    tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))
 }
 
 fn scored(name: String, port: Port, follows: Follows, gain: &Gain, cost: f64, x: &[f64]) -> Scored {

@@ -74,19 +74,18 @@ pub fn best<'a>(point: &Linearization<'a>, least: f64) -> Option<Released<'a>> {
     let starts = near.into_iter().map(|own| (point, own));
     let starts = starts.chain(far.into_iter().filter_map(|own| Some((preset.as_ref()?, own))));
     let starts: Vec<(&Linearization, (f64, Declared, f64))> = starts.collect();
-    let all = parallel::map(&starts, |(start, (_, own, value))| {
+    let all = parallel::flat_map(&starts, |(start, (_, own, value))| {
         fitted(point, &start.fitted, own.clone(), *value).ok().filter(Released::is_inside)
     });
-    all.into_iter().flatten().max_by(|a, b| a.fall.total_cmp(&b.fall))
+    all.into_iter().max_by(|a, b| a.fall.total_cmp(&b.fall))
 }
 
 /// The parameters without prior that explain most of the residual of a model, with the evidence and the value by (1).
 fn likely(point: &Linearization, least: f64) -> Vec<(f64, Declared, f64)> {
-    let all = parallel::map(&candidates(point.setup), |own| {
+    let mut all = parallel::flat_map(&candidates(point.setup), |own| {
         let (sure, value) = explained(point, own)?;
         (sure > least).then(|| (sure, own.clone(), value))
     });
-    let mut all: Vec<(f64, Declared, f64)> = all.into_iter().flatten().collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.truncate(FITTED);
     all

@@ -277,13 +277,8 @@ impl Solver {
         let whole = self.matrix(h);
         for column in 0..COLUMNS {
             let parts = column + 1;
-            let own;
-            let matrix = if parts == 1 {
-                &whole
-            } else {
-                own = self.matrix(h / parts as f64);
-                &own
-            };
+            let part = (parts > 1).then(|| self.matrix(h / parts as f64));
+            let matrix = part.as_ref().unwrap_or(&whole);
             let Some(first) = self.substeps(equations, (t, x), h, parts, matrix.as_ref())? else {
                 return Ok(Attempt::failed(h));
             };

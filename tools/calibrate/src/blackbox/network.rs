@@ -59,11 +59,11 @@ pub fn candidates(experiment: &Experiment, all: &[Series], deadline: &Deadline) 
         let found = minimise(&held, x, &limits, options).ok()?;
         Some((held.cost(&found.point), found.x))
     };
-    let begun = parallel::map(&STARTS, |start| {
+    let begun = parallel::flat_map(&STARTS, |start| {
         let start = fit.start(*start);
         Some((run(start.clone(), start.clone(), &FIRST)?, start))
     });
-    let Some(((_, x), start)) = begun.into_iter().flatten().min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
+    let Some(((_, x), start)) = begun.into_iter().min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
         return found;
     };
     let Some((_, x)) = run(x, start, &OPTIONS) else { return found };

@@ -204,7 +204,7 @@ fn search(
 fn best(who: Who, shifts: &[f64], ratio: f64, gain: &(dyn Fn(f64) -> Option<f64> + Sync)) -> Option<Shift> {
     let of = |late: f64| Some(Shift { who, late, interval: (late, late), gain: gain(late)? });
     let better = |a: &Shift, b: &Shift| a.gain.total_cmp(&b.gain);
-    let mut all: Vec<Shift> = parallel::map(shifts, |late| of(*late)).into_iter().flatten().collect();
+    let mut all = parallel::flat_map(shifts, |late| of(*late));
     all.sort_by(|a, b| better(b, a));
     let refined = |start: &Shift| {
         let (mut found, mut step) = (*start, 0.5 * (ratio - 1.0));
@@ -289,7 +289,7 @@ impl Judge<'_> {
         };
         let candidates: Vec<usize> = (0..experiment.inputs.len()).filter(moving).collect();
         let of = |k: &usize| best(Who::Input(*k), shifts, RATIO.1, &|late| of(*k, late));
-        parallel::map(&candidates, of).into_iter().flatten().collect()
+        parallel::flat_map(&candidates, of)
     }
 
     /// Shift with its gain after a fit, and its interval; `None` if it does not explain the residual.
@@ -405,8 +405,7 @@ impl Judge<'_> {
         let center = sign * (shift.late - from);
         let step = 0.5 * shift.late.abs() / f64::from(STEPS);
         let shifts: Vec<f64> = (-STEPS..=STEPS).map(|k| center + step * f64::from(k)).collect();
-        let costs = parallel::map(&shifts, |d| Some((*d, cost(*d)?)));
-        let costs: Vec<(f64, f64)> = costs.into_iter().flatten().collect();
+        let costs = parallel::flat_map(&shifts, |d| Some((*d, cost(*d)?)));
         let (at, least) = costs.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let inside = costs.iter().filter(|(_, c)| *c <= least + SURE * SURE).map(|(d, _)| *d);
         let half = 0.5 * step;

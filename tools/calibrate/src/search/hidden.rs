@@ -81,9 +81,9 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
         let (best, _) = best(gains)?;
         let laws =
             [powers(point, *port, best, &taus, per_number), table(point, *port, best, &taus, per_number)];
-        Some(laws)
+        Some(laws.into_iter().flatten())
     };
-    parallel::map(&places, find).into_iter().flatten().flatten().flatten().collect()
+    parallel::flat_map(&places, find).into_iter().flatten().collect()
 }
 
 fn best<T>(gains: impl Iterator<Item = (T, Option<Gain>)>) -> Option<(T, Gain)> {

@@ -258,7 +258,7 @@ pub(super) fn of_two(
         let found = over(point, *port, vec![axis(*first)?, axis(*second)?], per_number)?;
         (found.sure() > best.max(0.0) + LEAST).then_some(found)
     };
-    let mut all: Vec<Scored> = parallel::map(&places, find).into_iter().flatten().collect();
+    let mut all = parallel::flat_map(&places, find);
     // An effect at a node depends on the temperature of that node, if it explains nearly as much as that of the other one.
     let found: Vec<(Port, Follows, f64)> = all.iter().map(|s| (s.port, s.follows, s.sure())).collect();
     all.retain(|s| {

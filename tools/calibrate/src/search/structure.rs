@@ -28,8 +28,7 @@ pub fn structure(point: &Linearization) -> DMatrix<f64> {
         .flat_map(|port| Driver::ALL.iter().map(move |driver| (*port, *driver)))
         .filter(|(_, driver)| !driver.is_heat() && is_known(point, *driver))
         .collect();
-    let laws = parallel::map(&places, |(port, driver)| law(point, *port, *driver));
-    let laws: Vec<DMatrix<f64>> = laws.into_iter().flatten().collect();
+    let laws = parallel::flat_map(&places, |(port, driver)| law(point, *port, *driver));
     compressed(&laws, point.evidence.values())
 }
 
