@@ -1,6 +1,7 @@
 """The measurements of the two publications as runs: one file for each test, with a reading in its last row only."""
 
 import json
+from functools import cache
 from pathlib import Path
 
 from clients.program import motor_fmu
@@ -12,10 +13,16 @@ STILL_AIR, FAN = 18_000.0, 9_000.0
 THESIS_ROWS, PAPER_ROWS = 10, 60
 
 
+@cache
+def thesis_cases() -> list[dict]:
+    """The thesis's eight tests, with the fits of the model to them, which take seconds."""
+    return json.loads(motor_fmu("reproduce", "thesis", "--json"))["cases"]
+
+
 def thesis_runs() -> dict[str, str]:
     """Files of the thesis's eight tests, by name."""
     files = {}
-    for case in json.loads(motor_fmu("reproduce", "thesis", "--json"))["cases"]:
+    for case in thesis_cases():
         bare = case["cooling_mode"] == "bare"
         inputs = {
             "electrical_power_W": case["power_W"],
@@ -30,9 +37,8 @@ def thesis_runs() -> dict[str, str]:
 def thesis_predictions() -> dict[str, dict[str, float]]:
     """Winding temperatures of the eight tests, K: measured, fitted to all tests, fitted to the other seven, untuned."""
     keys = {"measured": "T_w_measured_K", "fitted": "T_w_model_K", "leave_one_out": "T_w_leave_one_out_K", "untuned": "T_w_untuned_K"}
-    cases = json.loads(motor_fmu("reproduce", "thesis", "--json"))["cases"]
     # Two digits: a fit ends where its steps no longer matter.
-    return {case["name"]: {name: round(case[key], 2) for name, key in keys.items()} for case in cases}
+    return {case["name"]: {name: round(case[key], 2) for name, key in keys.items()} for case in thesis_cases()}
 
 
 def paper_runs() -> dict[str, str]:

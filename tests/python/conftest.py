@@ -17,6 +17,7 @@ LONGEST = (
     "test_close_loop_intake",
     "test_preset_library",
     "test_close_loop",
+    "test_public_sets",
     "test_example[02_walking]",
     "test_blind_sets",
     "test_validator_faults",

@@ -92,10 +92,11 @@ def test_a_preset_adds_its_values_and_nothing_else(archives, fmi):
     assert differ == {"effect.coulomb_friction.tau_c": 9.83e-3}
 
 
-def test_archives_are_reproducible(archive_paths, motor_fmu, tmp_path):
-    for out in ("a", "b"):
-        done = motor_fmu("build", "--out", tmp_path / out)
-        assert done.returncode == 0, done.stderr
-    for fmi, path in archive_paths.items():
-        built = [(tmp_path / out / f"fmi{fmi}" / path.name).read_bytes() for out in ("a", "b")]
-        assert built[0] == built[1] == path.read_bytes()
+def test_archives_are_reproducible(motor_fmu, tmp_path):
+    """Every archive of another build has the same bytes."""
+    done = motor_fmu("build", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    again = sorted(tmp_path.glob("fmi?/*.fmu"))
+    assert len(again) >= 8
+    for path in again:
+        assert path.read_bytes() == (paths.dist() / path.relative_to(tmp_path)).read_bytes(), path.name

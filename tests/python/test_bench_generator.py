@@ -19,6 +19,9 @@ try:
 except ModuleNotFoundError:
     import tomli as tomllib  # below Python 3.11 pytest brings it
 
+# The sets that it wrote are stored and used every day.
+pytestmark = pytest.mark.nightly
+
 INPUTS, OUTPUTS = PUBLIC_RIG.layout.inputs, PUBLIC_RIG.layout.outputs
 PUBLIC = Path(__file__).parents[1] / "reference" / "bench-synthetic"
 PUBLIC_SETS = ("iron-loss", "housing-radiation", "drag-power-075", "thermocouple-drift")

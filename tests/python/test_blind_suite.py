@@ -13,6 +13,9 @@ from blind import cycles, draw, files, laws, mistakes
 from blind.network import Column, Network
 from blind.two_node import TwoNode
 
+# The suite itself runs at night.
+pytestmark = pytest.mark.nightly
+
 SEED = 4
 
 

@@ -122,7 +122,7 @@ def test_the_switched_circuit_runs_up_as_the_average_does(make, duty, decay):
     p, supply = parameters(fmu), fmu.get("supply_voltage")[0]
     r, k, inertia = p["motor_R_ref"], p["motor_k_t"] * p["gear_ratio"], p["motor_J"] * p["gear_ratio"] ** 2
     off = p["drive_freewheel_drop"] + (supply if decay == "fast" else 0.0)
-    period, parts = 1.0 / p["drive_pwm_frequency"], 200
+    period, parts = 1.0 / p["drive_pwm_frequency"], 100
     h, i, w, speeds = period / parts, 0.0, 0.0, [0.0]
     for _ in range(round(1.0 / period)):
         for part in range(parts):

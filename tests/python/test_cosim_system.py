@@ -186,6 +186,7 @@ def test_parameters_of_the_system_are_valid_files_that_can_be_exchanged(motor_fm
     assert warm == {toml: 310.0, ssp: 310.0, other: 320.0}
 
 
+@pytest.mark.nightly
 def test_fmpy_s_own_master_runs_it(cosim, ssp, tmp_path):
     """The master of fmpy transfers values once per step without input derivatives: first order, and the same within that."""
     out = tmp_path / "held.csv"

@@ -50,15 +50,17 @@ def test_every_example_has_its_expected_output():
 
 
 # The walking study and the five splits take minutes; `test_walking_study.py` tests the sentences of the former every day. MuJoCo and Dask
-# serve one example each. What 02, 05 and 07 add to `test_actuator.py`, `test_reproduce.py`, `test_seed_runs.py` and `test_close_loop.py` are
-# their stored numbers, for half a minute each.
+# serve one example each. What 02, 03, 05, 07 and 12 add to `test_actuator.py`, `test_reproduce.py`, `test_seed_runs.py`, `test_close_loop.py`
+# and `test_cosim_system.py` are their stored numbers, for ten seconds to half a minute each.
 NIGHTLY = (
     "02_walking",
+    "03_what_cooling_buys",
     "05_thesis",
     "07_refit_against_repair",
     "08_walking_study",
     "10_mujoco_leg",
     "11_dask_sweep",
+    "12_coupling_error",
     "14_runs_that_disagree",
 )
 

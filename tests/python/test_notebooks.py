@@ -9,8 +9,8 @@ import pytest
 from clients.paths import EXAMPLES
 
 NOTEBOOKS = sorted((EXAMPLES / "notebooks").glob("*.ipynb"))
-# Two searches of some seconds each.
-NIGHTLY = ("size_an_actuator",)
+# Searches of some seconds each.
+NIGHTLY = ("calibrate", "size_an_actuator")
 
 
 def marked(path):

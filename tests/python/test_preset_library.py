@@ -46,8 +46,19 @@ TOLERANCE = {
 # warm up in parts, so that the time constant of the stator alone is printed.
 SPECIFIC_HEAT = (200.0, 1000.0)
 
-with_print = pytest.mark.parametrize("name", [n for n, p in PRINTED.items() if "no_datasheet" not in p])
-direct = pytest.mark.parametrize("name", [n for n, p in PRINTED.items() if not {"no_datasheet", "same_motor"} & p.keys()])
+# Presets whose archives are built every day, a motor of each model and maker; at night all. A preset is only start values, and the tests of
+# its values that need no archive take all presets every day.
+EVERYDAY = ("maxon-305015", "thesis-rig", "faulhaber-1524t006sr", "dephy-actpack", "maxon-re30-gp32a-86")
+
+
+def each(names, every_day=None):
+    """A test for each of these presets; `every_day` are those of the everyday run."""
+    marks = {name: () if every_day is None or name in every_day else pytest.mark.nightly for name in names}
+    return pytest.mark.parametrize("name", [pytest.param(name, marks=marks[name]) for name in names])
+
+
+WITH_PRINT = [n for n, p in PRINTED.items() if "no_datasheet" not in p]
+DIRECT = [n for n in WITH_PRINT if "same_motor" not in PRINTED[n]]
 
 
 def value(name, key):
@@ -131,7 +142,7 @@ def test_readme_of_the_library_lists_every_preset():
     assert listed == set(FILES)
 
 
-@pytest.mark.parametrize("name", FILES)
+@each(FILES)
 def test_every_value_says_where_it_is_from(name):
     """A comment on the line of each value or above it; where a datasheet is the source, with the certainty."""
     lines = FILES[name].read_text().split("[start]")[1].splitlines()
@@ -149,12 +160,12 @@ def test_every_value_says_where_it_is_from(name):
             comment = ""
 
 
-@pytest.mark.parametrize("name", FILES)
+@each(FILES, EVERYDAY)
 def test_archive_of_the_preset_is_valid(name, built):
     assert built(name).is_file()
 
 
-@with_print
+@each(WITH_PRINT, EVERYDAY)
 def test_no_load_point(name, simulate):
     printed, of = PRINTED[name], lambda key: value(name, key)
     # Twenty times the mechanical time constant J R/k_t^2 and the electrical one L/R: the winding is still cold.
@@ -166,7 +177,7 @@ def test_no_load_point(name, simulate):
         check(name, "no_load_current", final["current"] * 1e3, printed["no_load_current_mA"])
 
 
-@direct
+@each(DIRECT, EVERYDAY)
 def test_stall_torque(name, simulate):
     printed = PRINTED[name]
     sets = {"mechanical_mode": "imposed_speed", "voltage": printed["nominal_voltage_V"], "motor__L": 1e-6}
@@ -174,7 +185,7 @@ def test_stall_torque(name, simulate):
     check(name, "stall_torque", final["shaft_torque"] * 1e3, printed["stall_torque_mNm"])
 
 
-@direct
+@each(DIRECT)
 def test_nominal_point(name, continuous):
     """Continuous current and torque with k_t of the catalogue, and the torque with hot magnets."""
     printed = PRINTED[name]
@@ -192,7 +203,7 @@ def heating(name):
     return {"drive_mode": "power", "mechanical_mode": "imposed_speed", "electrical_power": 10 * value(name, "conductance.G_still")}
 
 
-@pytest.mark.parametrize("name", [n for n, p in PRINTED.items() if "winding_time_constant_s" in p])
+@each([n for n, p in PRINTED.items() if "winding_time_constant_s" in p], EVERYDAY)
 def test_winding_time_constant(name, simulate):
     """Housing held at ambient temperature: time constant from the rise after the printed one."""
     tau = PRINTED[name]["winding_time_constant_s"]
@@ -202,7 +213,7 @@ def test_winding_time_constant(name, simulate):
     check(name, "winding_time_constant", -tau / log(1 - rise / final), tau)
 
 
-@direct
+@each(DIRECT, EVERYDAY)
 def test_motor_time_constant(name, simulate):
     """The mean delay of the housing's step response, the integral of what is missing, is the sum of both time constants."""
     tau, winding = PRINTED[name]["motor_time_constant_s"], value(name, "thermal.C_w") * value(name, "thermal.R_wh")
@@ -213,7 +224,7 @@ def test_motor_time_constant(name, simulate):
     check(name, "motor_time_constant", delay - winding, tau)
 
 
-@direct
+@each(DIRECT)
 def test_printed_values_agree_with_each_other(name):
     printed, of = PRINTED[name], lambda key: value(name, key)
     if "speed_constant_rpm_per_V" in printed:
@@ -230,7 +241,7 @@ def test_printed_values_agree_with_each_other(name):
     assert low < heat < high, f"{name}: {heat:.0f} J/(kg.K) from the motor's time constant, its thermal resistance and its weight"
 
 
-@pytest.mark.parametrize("name", [n for n, p in PRINTED.items() if "same_motor" in p])
+@each([n for n, p in PRINTED.items() if "same_motor" in p])
 def test_gearmotor_has_the_data_of_its_motor(name):
     motor = PRINTED[name]["same_motor"]
     shared = [k for k in PRESETS[name]["start"] if k in PRESETS[motor]["start"] and k != "motor.J"]

@@ -1,11 +1,8 @@
 """The runs of the examples from the publications contain the numbers of `motor-fmu reproduce` and nothing else."""
 
-import json
-
 import pytest
 from clients.paths import EXAMPLES
-from clients.program import motor_fmu
-from clients.seeds import paper_runs, thesis_runs
+from clients.seeds import paper_runs, thesis_cases, thesis_runs
 
 try:
     import tomllib
@@ -27,6 +24,6 @@ def test_the_stored_runs_are_those_of_the_seeds(folder):
 def test_each_run_of_the_thesis_is_set_as_it_was():
     runs = tomllib.loads((EXAMPLES / "05_thesis" / "EXPERIMENT.toml").read_text())["run"]
     sets = {run["file"]: run["set"] for run in runs}
-    for case in json.loads(motor_fmu("reproduce", "thesis", "--json"))["cases"]:
+    for case in thesis_cases():
         expected = {"cooling_mode": case["cooling_mode"]} | dict([case["setting"]] if case["setting"] else [])
         assert sets[f"{case['name']}.csv"] == expected, case["name"]

@@ -30,7 +30,8 @@ class Files:
 
     def write(self, path, extra=()):
         """Writes the archive; `extra` are further entries, which may repeat a name."""
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        # One archive for each fault: its size does not matter.
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as file:
             for name, content in [*self.entries.items(), *extra]:
                 file.writestr(name, content)
         return path

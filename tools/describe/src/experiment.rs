@@ -262,6 +262,7 @@ fn digits(value: f64, count: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::{Preset, models};
+    use rayon::prelude::*;
 
     /// Values at the start and at the end of the default experiment, and the smallest margin of the winding's in three hours, relative
     /// to the first.
@@ -315,7 +316,7 @@ mod tests {
     fn every_preset_responds_in_every_mode() {
         let motor = models::by_name("AnnulusCooledMotor").unwrap();
         let entry = |name: &str| (motor.declaration)().by_name(name).unwrap();
-        for preset in Preset::built_in().unwrap() {
+        Preset::built_in().unwrap().par_iter().for_each(|preset| {
             let kind = models::by_name(&preset.model).unwrap();
             let mut all = vec![preset.starts.clone()];
             if preset.model == "AnnulusCooledMotor" {
@@ -349,7 +350,7 @@ mod tests {
                 let [first, farthest] = run(kind, &starts, long, "winding_margin");
                 assert!(farthest / first > 0.4 && farthest / first < 0.65, "{what} {first} {farthest}");
             }
-        }
+        });
     }
 
     #[test]
