@@ -27,7 +27,6 @@ LONGEST = (
     "test_reproduce",
     "test_bench_generator",
     "test_example[04_close_the_loop_bench]",
-    "test_seed_runs",
     "test_values_without_prior",
     "test_blind_suite",
     "test_notebooks",

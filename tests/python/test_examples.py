@@ -50,8 +50,8 @@ def test_every_example_has_its_expected_output():
 
 
 # The walking study and the five splits take minutes; `test_walking_study.py` tests the sentences of the former every day. MuJoCo and Dask
-# serve one example each. What 02, 03, 05, 07 and 12 add to `test_actuator.py`, `test_reproduce.py`, `test_seed_runs.py`, `test_close_loop.py`
-# and `test_cosim_system.py` are their stored numbers, for ten seconds to half a minute each.
+# serve one example each. What 02, 03, 05, 07 and 12 add to `test_actuator.py`, `test_reproduce.py`, `test_close_loop.py` and
+# `test_cosim_system.py` are their stored numbers, for ten seconds to half a minute each.
 NIGHTLY = (
     "02_walking",
     "03_what_cooling_buys",

@@ -6,6 +6,7 @@ import subprocess
 import tomllib
 
 import pytest
+from clients import seeds
 from clients.paths import EXAMPLES
 
 CANNOT = 2
@@ -74,12 +75,37 @@ def test_predictions_stand_beside_the_fit(thesis):
         assert case["T_w_leave_one_out_K"] == left_out[case["name"]]
         errors = {key: abs(case[f"T_w_{key}_K"] - case["T_w_measured_K"]) for key in ("model", "leave_one_out", "untuned")}
         assert errors["model"] < errors["leave_one_out"], case["name"]
-    rms = lambda key: sum((c[key] - c["T_w_measured_K"]) ** 2 for c in found["cases"]) ** 0.5  # noqa: E731
-    assert rms("T_w_model_K") < rms("T_w_leave_one_out_K") < rms("T_w_untuned_K")
-    fitted = [row["id"] for row in found["rows"] if row["basis"] == "fitted"]
-    assert len(fitted) == 14 and all(row.startswith(("T24", "T25")) for row in fitted)
+    rms = lambda key: (sum((c[key] - c["T_w_measured_K"]) ** 2 for c in found["cases"]) / len(found["cases"])) ** 0.5  # noqa: E731
+    fit, left, untuned = (rms(f"T_w_{key}_K") for key in ("model", "leave_one_out", "untuned"))
+    sentence = f"{fit:.1f} K fitted to all tests, {left:.1f} K predicted from the other tests (leave-one-out), {untuned:.1f} K"
+    assert any(sentence in finding for finding in found["findings"]), (sentence, found["findings"])
+    assert fit < 0.5 and left > 2.0 * fit and untuned > left, sentence
+    # Temperature and R_ha of the seven columns of the tables.
+    fitted = [row for row in found["rows"] if row["basis"] == "fitted"]
+    assert len(fitted) == 14 and all(row["id"].startswith(("T24", "T25")) for row in fitted)
+    for row in fitted:
+        errors = {key: abs(row[key] / row["measured"] - 1.0) for key in ("corrected", "leave_one_out", "untuned")}
+        assert errors["corrected"] < errors["leave_one_out"] and "fitted to" in row["note"], row["id"]
     others = [f for f in found["findings"] if "in place of" in f]
     assert others and all("K)" in f for f in others), found["findings"]
+
+
+@pytest.mark.parametrize(("folder", "runs"), [("05_thesis", seeds.thesis_runs), ("06_paper", seeds.paper_runs)])
+def test_the_runs_of_the_examples_are_those_of_the_publications(thesis, monkeypatch, folder, runs):
+    """The stored runs of examples 05 and 06 contain the numbers of `motor-fmu reproduce` and nothing else."""
+    monkeypatch.setattr(seeds, "thesis_cases", lambda: thesis[0]["cases"])
+    files = runs()
+    assert {file.name: file.read_text() for file in (EXAMPLES / folder).glob("*.csv")} == files
+    experiment = tomllib.loads((EXAMPLES / folder / "EXPERIMENT.toml").read_text())
+    assert sorted(run["file"] for run in experiment["run"]) == sorted(files)
+
+
+def test_each_run_of_the_thesis_is_set_as_it_was(thesis):
+    runs = tomllib.loads((EXAMPLES / "05_thesis" / "EXPERIMENT.toml").read_text())["run"]
+    sets = {run["file"]: run["set"] for run in runs}
+    for case in thesis[0]["cases"]:
+        expected = {"cooling_mode": case["cooling_mode"]} | dict([case["setting"]] if case["setting"] else [])
+        assert sets[f"{case['name']}.csv"] == expected, case["name"]
 
 
 def test_the_paper_separates_fitted_from_predicted(motor_fmu):

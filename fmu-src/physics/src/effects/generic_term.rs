@@ -116,11 +116,16 @@ impl Effect for GenericTerms {
 
     /// Sum of the rises and falls of a term that acts in the motor, over quarters of the way.
     fn change(&self, from: &Drivers, to: &Drivers) -> f64 {
-        let way: [Drivers; 5] = std::array::from_fn(|n| from.toward(to, 0.25 * n as f64));
         let of_term = |(k, term): (usize, &GenericTerm)| {
             // What is evaluated within a step does not count.
-            let live = term.port.live().map(|driver| (driver, way[2].of(driver)));
-            let y = way.each_ref().map(|drivers| term.along_as(k, drivers, live));
+            let live = term.port.live();
+            let is_held = |driver: Driver| Some(driver) != live && from.of(driver) != to.of(driver);
+            if term.lag.is_none() && !term.law.drivers().any(is_held) {
+                return 0.0;
+            }
+            let live = live.map(|driver| (driver, from.middle(to).of(driver)));
+            let y: [f64; 5] =
+                std::array::from_fn(|n| term.along_as(k, &from.toward(to, 0.25 * n as f64), live));
             let change: f64 = y.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
             if change > 0.0 { change / term.law.span() } else { 0.0 }
         };
@@ -260,6 +265,20 @@ mod tests {
             let told = carrying(port, 0.1, Driver::Speed, 1.0, 1.0).set_drivers(&Drivers::default());
             assert_eq!(told, matches!(port, Port::FanFlow | Port::HousingAmbientConductance), "{port:?}");
         }
+    }
+
+    /// A step is divided for a driver that it holds, and not for the one that is evaluated within it.
+    #[test]
+    fn only_drivers_that_a_step_holds_divide_it() {
+        let [slow, fast] = [100.0, 400.0].map(|speed| Drivers { speed, ..Drivers::default() });
+        let over_speed = |port: Port| carrying(port, 2.0, Driver::Speed, 100.0, 1.0);
+        assert_eq!(over_speed(Port::DragTorque).change(&slow, &fast), 0.0);
+        let heat = over_speed(Port::WindingHeat);
+        assert_eq!(heat.change(&slow, &slow), 0.0);
+        // A power rises by its reference value, 2, for each reference of the driver.
+        assert!(heat.change(&slow, &fast) > 2.0, "{}", heat.change(&slow, &fast));
+        let later = Drivers { time: 5.0, ..slow };
+        assert_eq!(heat.change(&slow, &later), 0.0);
     }
 
     #[test]

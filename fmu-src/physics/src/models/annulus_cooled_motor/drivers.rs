@@ -10,8 +10,7 @@ use crate::components::sensor::{lagged, mean_lagged};
 use crate::effects::{PerNode, Port};
 use crate::runtime::{Equations, Halt};
 use crate::solver::split::{Fast, State};
-use crate::terms::Driver::*;
-use crate::terms::{Driver, Drivers, Lag, MOST_TERMS};
+use crate::terms::{Drivers, Lag, MOST_TERMS};
 use declare::Group;
 
 /// Start of a step, for the lag states.
@@ -82,19 +81,6 @@ impl AnnulusCooledMotor {
         if self.pre.is_none() { heat(other) - heat(&self.own.constants) } else { 0.0 }
     }
 
-    /// Whether an effect depends on drivers that follow the states and are constant over a step.
-    fn holds_states(&self) -> bool {
-        let Parameters { effects, choices, .. } = &self.parameters;
-        let follows_states = |driver: &Driver| match driver {
-            Speed => choices.mechanical_mode == MechanicalMode::FreeShaft,
-            Current => choices.drive_mode != DriveMode::Current,
-            LoadTorque => choices.mechanical_mode == MechanicalMode::ImposedSpeed,
-            WindingTemperature | HousingTemperature | CopperLoss | FrictionLoss => true,
-            AmbientTemperature | FanCommand | Time => false,
-        };
-        Driver::ALL.iter().any(|driver| follows_states(driver) && effects.holds(*driver))
-    }
-
     /// The lag of each term, if it has one.
     fn lags_of_terms(&self) -> [Option<Lag>; MOST_TERMS] {
         std::array::from_fn(|k| self.parameters.effects.lag(k))
@@ -106,7 +92,7 @@ impl AnnulusCooledMotor {
         let from = self.drivers_after(time, 0.0);
         let mut to = self.drivers_after(time, h);
         let mut mean = from.middle(&to);
-        if !self.holds_states() {
+        if !self.own.constants.holds_states {
             for (k, lag) in self.lags_of_terms().iter().enumerate() {
                 if let Some(Lag { driver, tau }) = *lag {
                     let source = [&from, &mean, &to].map(|drivers| drivers.of(driver));
@@ -226,7 +212,7 @@ impl AnnulusCooledMotor {
     }
 
     /// Inputs of the lags in the middle of the step. With a network, temperatures are linear in time.
-    fn middle_sources(&self, start: &LagStart, h: f64) -> [f64; MOST_TERMS] {
+    fn middle_sources(&mut self, start: &LagStart, h: f64) -> [f64; MOST_TERMS] {
         let has_network = self.own.network.is_some();
         let mut state = self.own.state;
         state.x = 0.5 * (start.state.x + state.x);
@@ -240,12 +226,16 @@ impl AnnulusCooledMotor {
             false => state.temperature[1],
         };
         let drivers = self.drivers_at(self.time - 0.5 * h, &start.middle, &state, housing);
-        self.sources_of(drivers, || {
-            let mut middle = self.clone();
-            (middle.inputs, middle.own.state) = (start.middle, state);
-            Motor::follow_inputs(&mut middle);
-            middle.equations().heat_flows(&middle.own.state)
-        })
+        let is_heat = |lag: &Lag| lag.driver.is_heat();
+        if !self.lags_of_terms().iter().flatten().any(is_heat) {
+            return self.sources_of(drivers, Default::default);
+        }
+        let inputs = std::mem::replace(&mut self.inputs, start.middle);
+        let now = std::mem::replace(&mut self.own.state, state);
+        Motor::follow_inputs(self);
+        let heat_flows = self.equations().heat_flows(&self.own.state);
+        (self.inputs, self.own.state) = (inputs, now);
+        self.sources_of(drivers, || heat_flows)
     }
 
     /// Temperature of a node in the middle of the last `h` seconds, K, in which it was a parabola with the mean that the integrator found;

@@ -6,6 +6,7 @@ use crate::components::validity::Limits;
 use crate::effects::{Acts, Port};
 use crate::models::annulus_cooled_motor::network::Body;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
+use crate::terms::Driver;
 
 /// Ports, besides the drag torque, that are evaluated at every stage of a step.
 const BRANCHES: [Port; 9] = [
@@ -39,6 +40,8 @@ pub struct Constants {
     pub(super) lost: f64,
     /// Fraction of electrical_power that heats the stator.
     pub(super) in_stator: f64,
+    /// Whether an effect depends on drivers that follow the states and are constant over a step.
+    pub(in super::super) holds_states: bool,
     /// Whether effects have time events.
     pub(in super::super) eventful: bool,
     /// Ratio of the torque constant to its data sheet value, by the commutation.
@@ -55,6 +58,20 @@ pub struct Constants {
     plain: bool,
     /// Limits of validity.
     pub(super) limits: Limits,
+}
+
+fn holds_states(Parameters { effects, choices, .. }: &Parameters) -> bool {
+    let follows_states = |driver: &Driver| match driver {
+        Driver::Speed => choices.mechanical_mode == MechanicalMode::FreeShaft,
+        Driver::Current => choices.drive_mode != DriveMode::Current,
+        Driver::LoadTorque => choices.mechanical_mode == MechanicalMode::ImposedSpeed,
+        Driver::WindingTemperature
+        | Driver::HousingTemperature
+        | Driver::CopperLoss
+        | Driver::FrictionLoss => true,
+        Driver::AmbientTemperature | Driver::FanCommand | Driver::Time => false,
+    };
+    Driver::ALL.iter().any(|driver| follows_states(driver) && effects.holds(*driver))
 }
 
 impl Constants {
@@ -83,6 +100,7 @@ impl Constants {
             drift: parameters.effects.ambient_sensor(),
             lost,
             in_stator: (1.0 - lost) * parameters.effects.stator_loss(),
+            holds_states: holds_states(parameters),
             eventful: parameters.effects.next_event(f64::NEG_INFINITY).is_finite(),
             torque_factor: parameters.choices.commutation.torque_factor(),
             chops,
