@@ -147,6 +147,33 @@ def test_a_sensor_that_is_set_aside_does_not_hide_the_effect(program, tmp_path, 
     assert report["verdict"] == "named" and [effect["id"] for effect in report["effects"]] == ["iron_loss"]
 
 
+def both(*changes):
+    def change(name, table):
+        for one in changes:
+            one(name, table)
+
+    return change
+
+
+# Outputs that no run has, each and two at once: every part of the search and of the report has to do without them.
+ABSENT = {
+    "voltage": scaled(VOLTAGE, 0.0, 0.4),
+    "torque": scaled(TORQUE, 0.0, 7.0),
+    "winding": scaled(WINDING, 0.0, 411.0),
+    "housing": scaled(HOUSING, 0.0, -27.5),
+    "both temperatures": both(scaled(WINDING, 0.0, -88.0), scaled(HOUSING, 0.0, 214.0)),
+}
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("change", ABSENT.values(), ids=ABSENT)
+def test_the_loop_closes_without_an_output(program, tmp_path, change):
+    done, report, _ = run(program, tmp_path / "set", change)
+    assert done.returncode in (0, 1) and report is not None, done.stdout + done.stderr
+    assert (report["verdict"] == "unusable") == (done.returncode == 1)
+    assert {effect["id"] for effect in report["effects"]} <= {"iron_loss"}, report["effects"]
+
+
 def test_a_budget_ends_the_search(program, tmp_path):
     """The search needs more than a tenth of a second; the refit is the answer then, and the report says so."""
     done, report, _ = run(program, tmp_path / "set", lambda *_: None, "--budget", "0.2")

@@ -339,11 +339,10 @@ impl Evidence {
         all.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or((0, 0))
     }
 
-    /// Variance of the mean of many readings relative to that of white noise of the stated size, output by output.
-    pub fn inflation(&self) -> Vec<f64> {
-        let outputs = self.series.iter().map(|s| s.output + 1).max().unwrap_or(0);
+    /// Variance of the mean of many readings of an output relative to that of white noise of the stated size.
+    pub fn inflation(&self, output: usize) -> f64 {
         let memory = &self.noises[self.best_state().0].memory;
-        memory.as_ref().map_or_else(|| vec![1.0; outputs], Memory::inflation)
+        memory.as_ref().map_or(1.0, |memory| memory.inflation(output))
     }
 
     /// Best size of the structure error, in units of the noise.

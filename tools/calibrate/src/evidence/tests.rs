@@ -190,7 +190,7 @@ fn noise_with_a_memory_is_no_effect() {
         });
         let mut evidence = Evidence::new(r, &none, Prior::new(&[]), &none, &[], series()).unwrap();
         evidence.add_memory().unwrap();
-        (evidence.inflation()[0], evidence.gain(&slow).unwrap())
+        (evidence.inflation(0), evidence.gain(&slow).unwrap())
     };
     let (inflation, gain) = found(0.0, 1.0, 0.0);
     assert!(inflation == 1.0 && gain.whitened < 10.0, "{inflation} {gain:?}");

@@ -157,8 +157,8 @@ impl Validated {
     /// From the outputs with and without a candidate.
     fn new(setup: &Setup, runs: &[usize], shown: [&[Shown]; 2], candidate: &Candidate) -> Validated {
         let [with, without] = shown.map(|shown| setup.chi_squares(runs, shown));
-        let inflation = candidate.point.evidence.inflation();
-        let falls: Vec<f64> = (0..with.len()).map(|k| (without[k] - with[k]) / inflation[k]).collect();
+        let fall = |k: usize| (without[k] - with[k]) / candidate.point.evidence.inflation(k);
+        let falls: Vec<f64> = (0..with.len()).map(fall).collect();
         let worse = worst(&with, &without, &falls);
         Validated { with: with.iter().sum(), without: without.iter().sum(), fall: falls.iter().sum(), worse }
     }
