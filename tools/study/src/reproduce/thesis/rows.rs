@@ -20,7 +20,6 @@ pub fn rows(cases: &[CaseResult]) -> Vec<Row> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::reproduce::thesis::Fits;
     use crate::reproduce::{Printed, Verdict};
 
