@@ -8,10 +8,10 @@ import subprocess
 import time
 
 import numpy as np
+import public_sets
 import pytest
-from clients.paths import ROOT
 
-FOLDER = ROOT / "tests" / "reference" / "bench-synthetic" / "iron-loss"
+FOLDER = public_sets.SETS / "iron-loss"
 FILES = [f"run-{k}.csv" for k in (1, 2, 3, 4)]
 CURRENT, SPEED, AMBIENT = "current_A", "speed_rad_per_s", "ambient_temperature_degC"
 VOLTAGE, TORQUE = "voltage_V", "shaft_torque_Nm"
@@ -63,6 +63,14 @@ def spikes(column, size, count):
     return change
 
 
+def both(*changes):
+    def change(name, table):
+        for one in changes:
+            one(name, table)
+
+    return change
+
+
 UNUSABLE = {
     "speed in revolutions per minute": (scaled(SPEED, 30.0 / np.pi), SPEED),
     "speed in revolutions per minute in one run": (scaled(SPEED, 30.0 / np.pi, files=FILES[1:2]), SPEED),
@@ -85,6 +93,14 @@ ASIDE = {
     "housing comes off": (part(HOUSING, off, "run-1.csv", 0.55), HOUSING),
     "torque sensor dead in one run": (part(TORQUE, noisy(0.0, 1e-3), "run-2.csv", 0.0), TORQUE),
     "winding with spikes": (spikes(WINDING, 37.0, 25), WINDING),
+}
+# Outputs that no run has, each and two at once: every part of the search and of the report has to do without them.
+ABSENT = {
+    "voltage": scaled(VOLTAGE, 0.0, 0.4),
+    "torque": scaled(TORQUE, 0.0, 7.0),
+    "winding": scaled(WINDING, 0.0, 411.0),
+    "housing": scaled(HOUSING, 0.0, -27.5),
+    "both temperatures": both(scaled(WINDING, 0.0, -88.0), scaled(HOUSING, 0.0, 214.0)),
 }
 
 
@@ -145,24 +161,6 @@ def test_a_sensor_that_is_set_aside_does_not_hide_the_effect(program, tmp_path, 
     done, report, _ = run(program, tmp_path / "set", change)
     is_set_aside(done, report, channel)
     assert report["verdict"] == "named" and [effect["id"] for effect in report["effects"]] == ["iron_loss"]
-
-
-def both(*changes):
-    def change(name, table):
-        for one in changes:
-            one(name, table)
-
-    return change
-
-
-# Outputs that no run has, each and two at once: every part of the search and of the report has to do without them.
-ABSENT = {
-    "voltage": scaled(VOLTAGE, 0.0, 0.4),
-    "torque": scaled(TORQUE, 0.0, 7.0),
-    "winding": scaled(WINDING, 0.0, 411.0),
-    "housing": scaled(HOUSING, 0.0, -27.5),
-    "both temperatures": both(scaled(WINDING, 0.0, -88.0), scaled(HOUSING, 0.0, 214.0)),
-}
 
 
 @pytest.mark.nightly

@@ -10,16 +10,16 @@ import shutil
 import subprocess
 import tomllib
 
+import public_sets
 import pytest
 from clients.paths import ROOT
 
-SETS = ROOT / "tests" / "reference" / "bench-synthetic"
 PRESET = ROOT / "examples" / "presets" / "maxon-305015.toml"
 HEAT_CAPACITY, FRICTION = "thermal.C_h", "effect.coulomb_friction.tau_c"
 
 
 def truth(name):
-    return json.loads((SETS / name / "truth.json").read_text())["parameters"]
+    return public_sets.truth(name)["parameters"]
 
 
 def built_in(parameter):
@@ -35,7 +35,7 @@ def replaced(text, name, line):
 
 def close_loop(program, folder, name, parameter, value, known=None):
     """The report on the set `name` if the preset has `value` for the parameter, which has no prior; `known` is its value under [set]."""
-    shutil.copytree(SETS / name, folder)
+    shutil.copytree(public_sets.SETS / name, folder)
     preset = PRESET.read_text()
     unit = tomllib.loads(preset)["start"][parameter]["unit"]
     line = f'"{parameter}" = {{ value = {value!r}, unit = "{unit}" }}\n'

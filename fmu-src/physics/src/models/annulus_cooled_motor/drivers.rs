@@ -86,6 +86,11 @@ impl AnnulusCooledMotor {
         std::array::from_fn(|k| self.parameters.effects.lag(k))
     }
 
+    /// Whether a term follows a lag of a heat flow.
+    fn lags_a_heat(&self) -> bool {
+        self.lags_of_terms().iter().flatten().any(|lag| lag.driver.is_heat())
+    }
+
     /// Drivers of the terms at the start, on average and at the end of a step of `h` seconds. Where they follow states, a trial step gives
     /// the others, so that constant drivers are of second order in the step, also if they follow a current that changes within milliseconds.
     pub(super) fn drivers_along(&mut self, time: f64, h: f64) -> Result<[Drivers; 3], Halt> {
@@ -165,11 +170,10 @@ impl AnnulusCooledMotor {
 
     /// Input of each term's lag with these drivers; the heat flows are evaluated only for a lag that needs them.
     fn sources_of(&self, mut drivers: Drivers, heat_flows: impl FnOnce() -> [f64; 2]) -> [f64; MOST_TERMS] {
-        let lags = self.lags_of_terms();
-        if lags.iter().flatten().any(|lag| lag.driver.is_heat()) {
+        if self.lags_a_heat() {
             [drivers.copper_loss, drivers.friction_loss] = heat_flows();
         }
-        lags.map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
+        self.lags_of_terms().map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
     }
 
     /// Initialises each lag at the value of its driver.
@@ -226,16 +230,18 @@ impl AnnulusCooledMotor {
             false => state.temperature[1],
         };
         let drivers = self.drivers_at(self.time - 0.5 * h, &start.middle, &state, housing);
-        let is_heat = |lag: &Lag| lag.driver.is_heat();
-        if !self.lags_of_terms().iter().flatten().any(is_heat) {
-            return self.sources_of(drivers, Default::default);
-        }
-        let inputs = std::mem::replace(&mut self.inputs, start.middle);
-        let now = std::mem::replace(&mut self.own.state, state);
+        let heat_flows = self.lags_a_heat().then(|| self.heat_flows_with(start.middle, state));
+        self.sources_of(drivers, || heat_flows.unwrap_or_default())
+    }
+
+    /// Heat flows with other inputs and another state of the two nodes.
+    fn heat_flows_with(&mut self, inputs: Inputs, state: State<NODES>) -> [f64; 2] {
+        let inputs = std::mem::replace(&mut self.inputs, inputs);
+        let state = std::mem::replace(&mut self.own.state, state);
         Motor::follow_inputs(self);
         let heat_flows = self.equations().heat_flows(&self.own.state);
-        (self.inputs, self.own.state) = (inputs, now);
-        self.sources_of(drivers, || heat_flows)
+        (self.inputs, self.own.state) = (inputs, state);
+        heat_flows
     }
 
     /// Temperature of a node in the middle of the last `h` seconds, K, in which it was a parabola with the mean that the integrator found;
