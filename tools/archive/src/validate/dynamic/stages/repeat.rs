@@ -3,7 +3,7 @@
 use super::*;
 use std::time::{Duration, Instant};
 
-/// Instances made in each of three rounds, and bytes that each may leave behind.
+/// Instances made in each of up to four rounds, and bytes that each may leave behind.
 const ROUND: usize = 400;
 const LEAK: f64 = 128.0;
 /// Bytes that a step, or a state saved and freed, may leave behind.
@@ -81,8 +81,13 @@ fn resident() -> Option<f64> {
     Some(4096.0 * pages)
 }
 
-/// The least growth per repetition over three rounds, in bytes; `None` where memory cannot be measured or time ran out.
-fn growth(round: usize, mut piece: impl FnMut() -> Result<bool, Fault>) -> Result<Option<f64>, Fault> {
+/// The least growth per repetition in bytes over three rounds that all grow by more than `most`. `None` after the first round that does
+/// not, where memory cannot be measured, or when time ran out.
+fn growth(
+    round: usize,
+    most: f64,
+    mut piece: impl FnMut() -> Result<bool, Fault>,
+) -> Result<Option<f64>, Fault> {
     let started = Instant::now();
     let mut least = f64::INFINITY;
     // The first round fills caches and pools.
@@ -96,6 +101,9 @@ fn growth(round: usize, mut piece: impl FnMut() -> Result<bool, Fault>) -> Resul
         let Some(after) = resident() else { return Ok(None) };
         if n > 0 {
             least = least.min((after - before) / round as f64);
+            if least <= most {
+                return Ok(None);
+            }
         }
     }
     Ok(Some(least))
@@ -109,8 +117,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let round_of_instances = round(ROUND, once.elapsed());
     // Smaller values are within the noise of the allocator.
     if round_of_instances >= 40
-        && let Some(bytes) = growth(round_of_instances, || subject.started(&Vec::new()).map(|_| true))?
-        && bytes > LEAK
+        && let Some(bytes) = growth(round_of_instances, LEAK, || subject.started(&Vec::new()).map(|_| true))?
     {
         seen.add(&subject.interface.place(), rules::leak_of_instance(bytes, 4 * round_of_instances));
     }
@@ -122,9 +129,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             session.call("FreeFMUState", |raw| raw.free_state(&mut state))?;
             Ok(true)
         };
-        if let Some(bytes) = growth(STEP_ROUND / 5, piece)?
-            && bytes > LEAK
-        {
+        if let Some(bytes) = growth(STEP_ROUND / 5, LEAK, piece)? {
             seen.add(&subject.interface.place(), rules::leak_of_state(bytes));
         }
     }
@@ -139,9 +144,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             }
             session.step(h)
         };
-        if let Some(bytes) = growth(STEP_ROUND, piece)?
-            && bytes > STEP_LEAK
-        {
+        if let Some(bytes) = growth(STEP_ROUND, STEP_LEAK, piece)? {
             seen.add(&subject.interface.place(), rules::leak_of_step(bytes));
         }
     }
