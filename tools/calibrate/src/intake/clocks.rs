@@ -72,6 +72,13 @@ struct Shift {
     gain: f64,
 }
 
+impl Shift {
+    /// A shift without gain.
+    fn new(who: Who, late: f64) -> Shift {
+        Shift { who, late, interval: (late, late), gain: 0.0 }
+    }
+}
+
 /// Sets aside outputs with a clock offset, with notes. If inputs have one, the data are unusable.
 ///
 /// # Errors
@@ -199,14 +206,13 @@ fn search(
     Ok(Some(other.copied().unwrap_or(best)))
 }
 
-/// Shift with the greatest gain among these of a ratio, refined where one is likely: a channel that follows the inputs at once has a narrow
-/// optimum.
-fn best(who: Who, shifts: &[f64], ratio: f64, gain: &(dyn Fn(f64) -> Option<f64> + Sync)) -> Option<Shift> {
-    let of = |late: f64| Some(Shift { who, late, interval: (late, late), gain: gain(late)? });
+/// Shift with the greatest gain among these, of which each is greater than the last by a ratio; refined where one is likely: a channel
+/// that follows the inputs at once has a narrow optimum.
+fn best(mut all: Vec<Shift>, ratio: f64, gain: &dyn Fn(f64) -> Option<f64>) -> Option<Shift> {
     let better = |a: &Shift, b: &Shift| a.gain.total_cmp(&b.gain);
-    let mut all = parallel::flat_map(shifts, |late| of(*late));
     all.sort_by(|a, b| better(b, a));
     let refined = |start: &Shift| {
+        let of = |late: f64| Some(Shift { gain: gain(late)?, ..Shift::new(start.who, late) });
         let (mut found, mut step) = (*start, 0.5 * (ratio - 1.0));
         while step > FINE && start.gain > 0.5 * LEAST {
             let near = [1.0 - step, 1.0 + step].into_iter().filter_map(|factor| of(factor * found.late));
@@ -253,9 +259,15 @@ impl Judge<'_> {
             let best = self.points.iter().filter_map(|p| p.late(k, late)).min_by(|a, b| a.0.total_cmp(&b.0));
             best.zip(unmoved[k]).map_or(0.0, |(s, unmoved)| self.gain(k, unmoved, s))
         };
-        let single = (0..m).filter_map(|k| best(Who::Output(k), shifts, RATIO.0, &|late| Some(own(k, late))));
+        let gains: Vec<Vec<f64>> = parallel::map(shifts, |late| (0..m).map(|k| own(k, *late)).collect());
+        let of = |who: Who, gain: &dyn Fn(&[f64]) -> f64| -> Vec<Shift> {
+            let all = shifts.iter().zip(&gains);
+            all.map(|(late, own)| Shift { gain: gain(own), ..Shift::new(who, *late) }).collect()
+        };
+        let single = (0..m)
+            .filter_map(|k| best(of(Who::Output(k), &|own| own[k]), RATIO.0, &|late| Some(own(k, late))));
         let sum = |late: f64| Some((0..m).map(|k| own(k, late)).sum());
-        let all = best(Who::Outputs, shifts, RATIO.0, &sum).filter(|_| m > 1);
+        let all = best(of(Who::Outputs, &|own| own.iter().sum()), RATIO.0, &sum).filter(|_| m > 1);
         single.chain(all).collect()
     }
 
@@ -270,6 +282,9 @@ impl Judge<'_> {
             !experiment.inputs[*k].is_temperature() && own.flat_map(|c| c.windows(2)).any(|w| w[0] != w[1])
         };
         let hypothesis = self.setup.preset();
+        let Some(about) = self.points.last() else { return Vec::new() };
+        let outputs = (0..m).filter_map(|k| Some((k, unmoved[k]?, about.with(k)?)));
+        let outputs: Vec<_> = outputs.collect();
         let of = |k: usize, late: f64| -> Option<f64> {
             if deadline.is_near() {
                 return None;
@@ -280,16 +295,15 @@ impl Judge<'_> {
                 self.setup.bench.run(&drive, &self.setup.change(&hypothesis, *run)).ok()
             };
             let predicted: Option<Vec<Vec<Vec<f64>>>> = self.fit.iter().map(shown).collect();
-            let about = self.points.last()?;
             let predicted = predicted?;
-            let gain = (0..m).filter_map(|output| {
-                Some(self.gain(output, unmoved[output]?, about.with(&predicted, output)?))
-            });
-            Some(gain.sum())
+            Some(outputs.iter().map(|(k, unmoved, with)| self.gain(*k, *unmoved, with(&predicted))).sum())
         };
         let candidates: Vec<usize> = (0..experiment.inputs.len()).filter(moving).collect();
-        let of = |k: &usize| best(Who::Input(*k), shifts, RATIO.1, &|late| of(*k, late));
-        parallel::flat_map(&candidates, of)
+        parallel::flat_map(&candidates, |k| {
+            let of = |late: f64| of(*k, late);
+            let shift = |late: &f64| Some(Shift { gain: of(*late)?, ..Shift::new(Who::Input(*k), *late) });
+            best(parallel::flat_map(shifts, shift), RATIO.1, &of)
+        })
     }
 
     /// Shift with its gain after a fit, and its interval; `None` if it does not explain the residual.

@@ -147,7 +147,8 @@ impl Fit<'_> {
         let shown = self.setup.bench.run(&drive, &self.setup.change(self.fitted, part.run)).ok()?;
         let shown = [shown];
         let outputs = 0..self.setup.outputs();
-        Some(outputs.map(|k| self.cost(part, k, part.about.with(&shown, k))).sum())
+        let square = |k: usize| part.about.with(k).map(|square| square(&shown));
+        Some(outputs.map(|k| self.cost(part, k, square(k))).sum())
     }
 
     /// A term of (1); nothing for an output without readings.

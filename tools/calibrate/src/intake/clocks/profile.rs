@@ -5,7 +5,7 @@ use crate::experiment::Table;
 use crate::fit::Slopes;
 use crate::hypothesis::Hypothesis;
 use crate::setup::Setup;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// One output of one run with its prediction: prediction first, then the sensitivities.
 #[derive(Clone)]
@@ -16,8 +16,8 @@ struct Line {
 }
 
 impl Line {
-    /// Calls `tell` with readings and columns delayed by `late` seconds, at the rows where these are known.
-    fn late(&self, late: f64, mut tell: impl FnMut(f64, &mut dyn FnMut(usize) -> f64)) {
+    /// Calls `tell` with each reading and with what reads a column delayed by `late` seconds, at the rows where both are known.
+    fn late(&self, late: f64, mut tell: impl FnMut(f64, &dyn Fn(&[f64]) -> f64)) {
         let n = self.time.len();
         let mut j = 0;
         for (t, y) in self.time.iter().zip(&self.read).filter(|(_, y)| y.is_finite()) {
@@ -33,7 +33,7 @@ impl Line {
             }
             let share = (at - self.time[j]) / (self.time[j + 1] - self.time[j]);
             let (a, b) = (1.0 - share, share);
-            tell(*y, &mut |k| a * self.columns[k][j] + b * self.columns[k][j + 1]);
+            tell(*y, &|column| a * column[j] + b * column[j + 1]);
         }
     }
 
@@ -61,41 +61,79 @@ const ROUNDING: f64 = 1e-12;
 /// Prior constraint of delta in (1): for each parameter the ratio of noise variance to prior variance, and the distance to the prior.
 type Priors = Vec<(f64, f64)>;
 
-/// S of (1), minimised over delta and a constant, and the number of readings.
-fn mean_square(lines: &[Line], late: f64, priors: &Priors) -> Option<(f64, usize)> {
-    let q = priors.len();
-    let mut normal = DMatrix::<f64>::zeros(q + 1, q + 1);
-    let mut right = DVector::<f64>::zeros(q + 1);
-    let (mut square, mut count, mut there) = (0.0, 0usize, 0usize);
-    let mut row = vec![1.0; q + 1];
-    for line in lines {
-        there += line.read.iter().filter(|y| y.is_finite()).count();
-        line.late(late, |y, at| {
-            let off = y - at(0);
-            row.iter_mut().take(q).enumerate().for_each(|(k, x)| *x = at(k + 1));
-            for a in 0..=q {
-                right[a] += row[a] * off;
-                for b in 0..=a {
-                    normal[(a, b)] += row[a] * row[b];
+/// Normal equations of (1) for an output, except for the residual: they are the same for all predictions.
+struct Normal<'a> {
+    lines: &'a [Line],
+    late: f64,
+    priors: &'a Priors,
+    /// Sensitivities and the constant, reading by reading.
+    rows: Vec<f64>,
+    matrix: DMatrix<f64>,
+    /// With the constraints of the priors.
+    limited: Cholesky<f64, Dyn>,
+}
+
+impl<'a> Normal<'a> {
+    /// `None` if too few readings have a value after the delay, or if they do not determine the parameters.
+    fn new(lines: &'a [Line], late: f64, priors: &'a Priors) -> Option<Normal<'a>> {
+        let q = priors.len();
+        let mut matrix = DMatrix::<f64>::zeros(q + 1, q + 1);
+        let there = lines.iter().flat_map(|line| &line.read).filter(|y| y.is_finite()).count();
+        let mut rows = Vec::with_capacity(there * (q + 1));
+        for line in lines {
+            line.late(late, |_, at| {
+                let from = rows.len();
+                rows.extend(line.columns[1..].iter().map(|column| at(column)).chain([1.0]));
+                let row = &rows[from..];
+                for a in 0..=q {
+                    for b in 0..=a {
+                        matrix[(a, b)] += row[a] * row[b];
+                    }
                 }
-            }
-            square += off * off;
-            count += 1;
-        });
+            });
+        }
+        let count = rows.len() / (q + 1);
+        if 2 * count < there || count <= q + 1 {
+            return None;
+        }
+        matrix.fill_upper_triangle_with_lower_triangle();
+        let mut limited = matrix.clone();
+        for (k, (weight, _)) in priors.iter().enumerate() {
+            limited[(k, k)] += weight + ROUNDING * matrix[(k, k)].max(f64::MIN_POSITIVE);
+        }
+        limited[(q, q)] += ROUNDING * count as f64;
+        let limited = limited.cholesky()?;
+        Some(Normal { lines, late, priors, rows, matrix, limited })
     }
-    if 2 * count < there || count <= q + 1 {
-        return None;
+
+    /// S of (1) for a prediction of each line, minimised over delta and a constant, and the number of readings.
+    fn mean_square<'b>(&self, predicted: impl Iterator<Item = &'b Vec<f64>>) -> (f64, usize) {
+        let width = self.priors.len() + 1;
+        let mut right = DVector::<f64>::zeros(width);
+        let mut square = 0.0;
+        let mut rows = self.rows.chunks_exact(width);
+        for (line, column) in self.lines.iter().zip(predicted) {
+            line.late(self.late, |y, at| {
+                let off = y - at(column);
+                let row = rows.next().unwrap_or_default();
+                right.iter_mut().zip(row).for_each(|(sum, x)| *sum += x * off);
+                square += off * off;
+            });
+        }
+        let mut toward = right.clone();
+        for (k, (weight, away)) in self.priors.iter().enumerate() {
+            toward[k] += weight * away;
+        }
+        let delta = self.limited.solve(&toward);
+        let rest = square - 2.0 * delta.dot(&right) + (&self.matrix * &delta).dot(&delta);
+        let count = self.rows.len() / width;
+        (rest.max(f64::MIN_POSITIVE) / count as f64, count)
     }
-    normal.fill_upper_triangle_with_lower_triangle();
-    let (mut limited, mut toward) = (normal.clone(), right.clone());
-    for (k, (weight, away)) in priors.iter().enumerate() {
-        limited[(k, k)] += weight + ROUNDING * normal[(k, k)].max(f64::MIN_POSITIVE);
-        toward[k] += weight * away;
-    }
-    limited[(q, q)] += ROUNDING * count as f64;
-    let delta = limited.cholesky()?.solve(&toward);
-    let rest = square - 2.0 * delta.dot(&right) + (&normal * &delta).dot(&delta);
-    Some((rest.max(f64::MIN_POSITIVE) / count as f64, count))
+}
+
+/// S of (1) for the prediction of the fit.
+fn mean_square(lines: &[Line], late: f64, priors: &Priors) -> Option<(f64, usize)> {
+    Some(Normal::new(lines, late, priors)?.mean_square(lines.iter().map(|line| &line.columns[0])))
 }
 
 /// Fit about which (1) is linearised.
@@ -159,15 +197,10 @@ impl About {
         mean_square(&lines, 0.0, &self.priors[output])
     }
 
-    /// The same for other predictions, by run and output.
-    pub fn with(&self, predicted: &[Vec<Vec<f64>>], output: usize) -> Option<(f64, usize)> {
-        let of = |(line, model): (&Line, &Vec<Vec<f64>>)| {
-            let mut line = line.clone();
-            line.columns[0] = model.get(output)?.clone();
-            Some(line)
-        };
-        let lines: Option<Vec<Line>> = self.lines[output].iter().zip(predicted).map(of).collect();
-        mean_square(&lines?, 0.0, &self.priors[output])
+    /// S of an output for other predictions, by run and output, and the number of readings; for any number of them.
+    pub fn with(&self, output: usize) -> Option<impl Fn(&[Vec<Vec<f64>>]) -> (f64, usize)> {
+        let normal = Normal::new(&self.lines[output], 0.0, &self.priors[output])?;
+        Some(move |predicted: &[Vec<Vec<f64>>]| normal.mean_square(predicted.iter().map(|run| &run[output])))
     }
 }
 
@@ -198,7 +231,7 @@ pub fn moved(table: &Table, column: usize, late: f64) -> Vec<f64> {
     });
     line.late(-late, |_, at| {
         if let Some((row, _)) = rows.next() {
-            all[row] = at(0);
+            all[row] = at(&line.columns[0]);
         }
     });
     all
