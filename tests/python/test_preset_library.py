@@ -46,9 +46,9 @@ TOLERANCE = {
 # warm up in parts, so that the time constant of the stator alone is printed.
 SPECIFIC_HEAT = (200.0, 1000.0)
 
-# Presets whose archives are built every day, a motor of each model and maker; at night all. A preset is only start values, and the tests of
+# Presets whose archives are built every day, a motor of each model; at night all. A preset is only start values, and the tests of
 # its values that need no archive take all presets every day.
-EVERYDAY = ("maxon-305015", "thesis-rig", "faulhaber-1524t006sr", "dephy-actpack", "maxon-re30-gp32a-86")
+EVERYDAY = ("maxon-305015", "thesis-rig", "maxon-re30-gp32a-86")
 
 
 def each(names, every_day=None):

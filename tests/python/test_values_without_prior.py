@@ -98,6 +98,7 @@ def named(report):
     return report["verdict"], [effect["id"] for effect in report["effects"]]
 
 
+@pytest.mark.nightly
 def test_a_wrong_heat_capacity_is_estimated_and_no_effect_is_named(program, tmp_path):
     """Nothing is missing in this set: no effect takes the place of the heat capacity, which the built-in preset has 14 % too small."""
     name, folder = "thermocouple-drift", tmp_path / "set"
