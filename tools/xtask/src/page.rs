@@ -3,6 +3,8 @@
 use crate::{Outcome, files, product, shell, venv, workspace::Workspace};
 
 const TARGET: &str = "wasm32-unknown-unknown";
+/// The profile of Cargo.toml that optimises all that the page computes.
+const PROFILE: &str = "page";
 /// Opens the page in Chromium and compares its values with `motor-fmu`; a stage of `cargo xtask nightly`.
 const TESTS: &str = "tests/python/browser_page.py";
 
@@ -10,11 +12,11 @@ const TESTS: &str = "tests/python/browser_page.py";
 pub fn run(workspace: &Workspace, force: bool) -> Outcome {
     shell::stage("compiling the models for WebAssembly");
     let mut build =
-        workspace.cargo(&["build", "--release", "--package", "page", "--lib", "--target", TARGET]);
+        workspace.cargo(&["build", "--profile", PROFILE, "--package", "page", "--lib", "--target", TARGET]);
     shell::run(&mut build)
         .map_err(|e| format!("{e}; the target is installed by `rustup target add {TARGET}`"))?;
     shell::stage("writing the page");
-    let models = workspace.target.join(TARGET).join("release/page.wasm");
+    let models = workspace.target.join(TARGET).join(PROFILE).join("page.wasm");
     let page = workspace.dist().join("page.html");
     let mut write = workspace.cargo(&["run", "--quiet", "--release", "--package", "page", "--"]);
     let made = workspace.target.join("page.html");
