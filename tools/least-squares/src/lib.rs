@@ -7,7 +7,8 @@
 //! 2 g^T d + d^T (N + lambda D^2) d   subject to  l <= x + d <= u                           (2)
 //!
 //! D holds the greatest norms of the columns of J so far (Moré), so the units of x do not matter. lambda follows the ratio of the
-//! decrease of F to the decrease that the linear model predicts (Nielsen). A variable that a step would move out of its range stops at
+//! decrease of F to the decrease that the linear model predicts (Nielsen); after a step that fails it increases until the next one is
+//! shorter, which takes several times if lambda is small against N. A variable that a step would move out of its range stops at
 //! the limit, and the others are solved for again. A prior is a residual like any other.
 //! *Sources*: Moré, The Levenberg-Marquardt algorithm (1978); Madsen, Nielsen, Tingleff, Methods for non-linear least squares
 //! problems (2004), 3.2; Kanzow, Yamashita, Fukushima, J. Comput. Appl. Math. 172 (2004) for the projection.
@@ -20,6 +21,10 @@ const MOST_DAMPING: f64 = 1e12;
 const ACCEPTED: f64 = 1e-4;
 /// Least ratio at which the sensitivities are reused.
 const GOOD: f64 = 0.25;
+/// Damping of the step that gains all that the model has to offer: enough to keep a singular N solvable.
+const UNDAMPED: f64 = 1e-9;
+/// Greatest length of a step after one that fails, relative to it: a longer one ends at nearly the same point.
+const SHORTER: f64 = 0.9;
 
 /// A least-squares problem. `Slopes` may store J in any form; the solver requires only N and g of (2).
 pub trait Problem {
@@ -162,6 +167,7 @@ pub fn minimise<P: Problem>(
             let gradient = problem.gradient(&x, &point, &slopes);
             let model =
                 Model { x: &x, limits, information: &information, gradient: &gradient, scale: &scale };
+            // At the point of the slopes they are exact.
             let is_near = chords == 0 || problem.is_near(&linearised_at, &x);
             if is_near && model.is_stationary(cost, options.gradient) {
                 break Some(Status::Gradient);
@@ -175,16 +181,21 @@ pub fn minimise<P: Problem>(
             if is_short || damping > MOST_DAMPING {
                 break (is_near || chords == 0).then_some(Status::Step);
             }
-            evaluations += 1;
             let predicted = model.predicted(&next);
+            let enough = options.decrease.max(options.relative_decrease * cost);
+            // A short step of a great damping is no convergence: the undamped model has to agree.
+            let left = predicted.max(model.predicted(&model.step(UNDAMPED)));
+            // What slopes of a point far away still promise is found with new ones.
+            if !is_near && left <= enough {
+                break None;
+            }
+            evaluations += 1;
             let trial = problem.evaluate(&next).ok().map(|p| (problem.cost(&p), p));
             let ratio = trial.as_ref().map_or(-1.0, |(found, _)| (cost - found) / predicted);
             match trial {
                 Some((found, reached)) if found < cost && ratio > ACCEPTED => {
-                    // A short step of a great damping is no convergence: the undamped model has to agree.
-                    let (fall, enough) =
-                        (cost - found, options.decrease.max(options.relative_decrease * cost));
-                    let settled = fall <= enough && model.predicted(&model.step(1e-9)) - fall <= enough;
+                    let fall = cost - found;
+                    let settled = fall <= enough && left - fall <= enough;
                     damping = (damping * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-12);
                     growth = 2.0;
                     (x, point, cost) = (next, reached, found);
@@ -198,10 +209,18 @@ pub fn minimise<P: Problem>(
                     }
                 }
                 // Slopes of a point before may be the reason.
-                _ if chords > 0 && !is_near => break None,
+                _ if !is_near => break None,
+                _ if left <= enough => break Some(Status::Decrease),
                 _ => {
-                    damping *= growth;
-                    growth *= 2.0;
+                    let longest = SHORTER * model.length(&next);
+                    loop {
+                        damping *= growth;
+                        growth *= 2.0;
+                        let is_long = model.length(&model.step(damping)) > longest;
+                        if !is_long || damping > MOST_DAMPING {
+                            break;
+                        }
+                    }
                 }
             }
         };
@@ -235,6 +254,16 @@ impl Model<'_> {
         })
     }
 
+    /// Length of the step to `next` in units of D.
+    fn length(&self, next: &DVector<f64>) -> f64 {
+        (0..next.len()).map(|k| self.own(k) * (next[k] - self.x[k]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Element of D^2; a column of zeros has no scale of its own.
+    fn own(&self, k: usize) -> f64 {
+        if self.scale[k] > 0.0 { self.scale[k] * self.scale[k] } else { 1.0 }
+    }
+
     /// The decrease of F by (2) without damping.
     fn predicted(&self, next: &DVector<f64>) -> f64 {
         let step = next - self.x;
@@ -248,9 +277,7 @@ impl Model<'_> {
         loop {
             let free: Vec<usize> = (0..n).filter(|k| fixed[*k].is_none()).collect();
             let entry = |i: usize, k: usize| {
-                // A column of zeros has no scale of its own.
-                let own = if self.scale[i] > 0.0 { self.scale[i] * self.scale[i] } else { 1.0 };
-                self.information[(i, k)] + if i == k { damping * own } else { 0.0 }
+                self.information[(i, k)] + if i == k { damping * self.own(i) } else { 0.0 }
             };
             let normal = DMatrix::from_fn(free.len(), free.len(), |a, b| entry(free[a], free[b]));
             let right = DVector::from_fn(free.len(), |a, _| {

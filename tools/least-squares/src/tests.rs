@@ -223,3 +223,63 @@ fn the_most_linearisations_are_said() {
     let found = minimise(&Function(rosenbrock), start, &[FREE; 2], &options).unwrap();
     assert_eq!((found.status, found.linearisations), (Status::Unfinished, 3));
 }
+
+/// A decay whose residuals are rounded to a ten-thousandth, as those of a simulation are; the slopes are exact.
+struct Rounded;
+
+impl Rounded {
+    fn exact(x: &DVector<f64>) -> Vec<f64> {
+        let of = |k: i32| f64::from(k).sqrt() - 3.0 * x[0] * (-0.1 * f64::from(k) * x[1]).exp();
+        (0..20).map(of).collect()
+    }
+}
+
+impl Problem for Rounded {
+    type Point = DVector<f64>;
+    type Slopes = DMatrix<f64>;
+    type Error = String;
+
+    fn evaluate(&self, x: &DVector<f64>) -> Result<DVector<f64>, String> {
+        Ok(DVector::from_vec(Rounded::exact(x)).map(|r| (1e4 * r).round() / 1e4))
+    }
+
+    fn cost(&self, point: &DVector<f64>) -> f64 {
+        point.norm_squared()
+    }
+
+    fn linearise(&self, x: &DVector<f64>, point: &DVector<f64>) -> Result<DMatrix<f64>, String> {
+        Function(Rounded::exact).linearise(x, point)
+    }
+
+    fn information(&self, slopes: &DMatrix<f64>) -> DMatrix<f64> {
+        slopes.transpose() * slopes
+    }
+
+    fn gradient(&self, _: &DVector<f64>, point: &DVector<f64>, slopes: &DMatrix<f64>) -> DVector<f64> {
+        slopes.transpose() * point
+    }
+}
+
+/// At the solution no step decreases rounded residuals, and the slopes still promise a little: one step shows that.
+#[test]
+fn rounded_residuals_end_the_search_at_the_solution() {
+    let options = Options { decrease: 1e-3, damping: 1e-6, gradient: 0.0, step: 0.0, ..Options::default() };
+    let run = |start: DVector<f64>| minimise(&Rounded, start, &[FREE; 2], &options).unwrap();
+    let first = run(DVector::from_vec(vec![1.0, -0.5]));
+    let again = run(first.x);
+    assert_eq!((first.status, again.status), (Status::Decrease, Status::Decrease));
+    assert!(again.evaluations <= 3 && again.linearisations <= 2, "{} evaluations", again.evaluations);
+}
+
+/// A damping that is small against N changes no step: after a failure it is increased until the step is another one.
+#[test]
+fn a_small_damping_costs_no_evaluations() {
+    let evaluations = |damping: f64| {
+        let arc = |x: &DVector<f64>| vec![x[0].atan()];
+        solve(arc, &[3.0], &[FREE], Options { damping, ..Options::default() }).evaluations
+    };
+    let usual = evaluations(1e-3);
+    for damping in [1e-12, 1e-9, 1e-6] {
+        assert!(evaluations(damping) <= usual + 1, "{} instead of {usual}", evaluations(damping));
+    }
+}
