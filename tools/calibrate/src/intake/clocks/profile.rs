@@ -136,6 +136,9 @@ fn mean_square(lines: &[Line], late: f64, priors: &Priors) -> Option<(f64, usize
     Some(Normal::new(lines, late, priors)?.mean_square(lines.iter().map(|line| &line.columns[0])))
 }
 
+/// By run, output and row.
+type Predictions = [Vec<Vec<f64>>];
+
 /// Fit about which (1) is linearised.
 pub struct About {
     /// By output, then by run.
@@ -197,10 +200,10 @@ impl About {
         mean_square(&lines, 0.0, &self.priors[output])
     }
 
-    /// S of an output for other predictions, by run and output, and the number of readings; for any number of them.
-    pub fn with(&self, output: usize) -> Option<impl Fn(&[Vec<Vec<f64>>]) -> (f64, usize)> {
+    /// S of an output for other predictions, and the number of readings; for any number of them.
+    pub fn with(&self, output: usize) -> Option<impl Fn(&Predictions) -> (f64, usize)> {
         let normal = Normal::new(&self.lines[output], 0.0, &self.priors[output])?;
-        Some(move |predicted: &[Vec<Vec<f64>>]| normal.mean_square(predicted.iter().map(|run| &run[output])))
+        Some(move |predicted: &Predictions| normal.mean_square(predicted.iter().map(|run| &run[output])))
     }
 }
 
