@@ -14,6 +14,9 @@ import public_sets
 import pytest
 from clients.paths import ROOT
 
+# The plain sets are closed every day, in test_public_sets.py and test_close_loop.py.
+pytestmark = pytest.mark.nightly
+
 PRESET = ROOT / "examples" / "presets" / "maxon-305015.toml"
 HEAT_CAPACITY, FRICTION = "thermal.C_h", "effect.coulomb_friction.tau_c"
 
@@ -98,7 +101,6 @@ def named(report):
     return report["verdict"], [effect["id"] for effect in report["effects"]]
 
 
-@pytest.mark.nightly
 def test_a_wrong_heat_capacity_is_estimated_and_no_effect_is_named(program, tmp_path):
     """Nothing is missing in this set: no effect takes the place of the heat capacity, which the built-in preset has 14 % too small."""
     name, folder = "thermocouple-drift", tmp_path / "set"
@@ -111,7 +113,6 @@ def test_a_wrong_heat_capacity_is_estimated_and_no_effect_is_named(program, tmp_
         assert agrees(report["parameters"][parameter], true), parameter
 
 
-@pytest.mark.nightly
 def test_a_wrong_friction_torque_does_not_hide_the_missing_effect(program, tmp_path):
     """The built-in preset has all of the no-load loss as friction, 9.83 mN.m; the friction of the specimen is less than half of it."""
     name, folder = "housing-radiation", tmp_path / "set"
@@ -121,7 +122,6 @@ def test_a_wrong_friction_torque_does_not_hide_the_missing_effect(program, tmp_p
     is_estimated(report, folder, FRICTION, truth(name)[FRICTION])
 
 
-@pytest.mark.nightly
 def test_a_value_under_set_is_never_changed(program, tmp_path):
     """A heat capacity 1.5 times too great, in the preset and, as known, under [set]: whatever the verdict is, it is not estimated."""
     name, folder = "thermocouple-drift", tmp_path / "set"
@@ -130,7 +130,6 @@ def test_a_value_under_set_is_never_changed(program, tmp_path):
     is_kept(report, folder, HEAT_CAPACITY, value)
 
 
-@pytest.mark.nightly
 def test_a_right_value_without_a_prior_is_kept_beside_a_missing_effect(program, tmp_path):
     """The friction torque of the preset is that of the specimen, and the missing iron loss is a drag as well: the effect explains the data."""
     name, folder = "iron-loss", tmp_path / "set"

@@ -179,7 +179,7 @@ pub fn minimise<P: Problem>(
             let length = (&next - &x).norm();
             let is_short = length <= options.step * (x.norm() + options.step);
             if is_short || damping > MOST_DAMPING {
-                break (is_near || chords == 0).then_some(Status::Step);
+                break is_near.then_some(Status::Step);
             }
             let predicted = model.predicted(&next);
             let enough = options.decrease.max(options.relative_decrease * cost);
@@ -216,8 +216,7 @@ pub fn minimise<P: Problem>(
                     loop {
                         damping *= growth;
                         growth *= 2.0;
-                        let is_long = model.length(&model.step(damping)) > longest;
-                        if !is_long || damping > MOST_DAMPING {
+                        if damping > MOST_DAMPING || model.length(&model.step(damping)) <= longest {
                             break;
                         }
                     }

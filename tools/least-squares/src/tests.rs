@@ -2,8 +2,15 @@
 
 use super::*;
 
-/// Residuals as a function; slopes are central differences.
-struct Function<F>(F);
+/// Residuals as a function, and the digit to which an evaluation rounds them; slopes are central differences of the exact ones.
+struct Function<F>(F, Option<f64>);
+
+impl<F: Fn(&DVector<f64>) -> Vec<f64>> Function<F> {
+    fn exact(&self, x: &DVector<f64>) -> Result<DVector<f64>, String> {
+        let r = DVector::from_vec((self.0)(x));
+        if r.iter().all(|v| v.is_finite()) { Ok(r) } else { Err("not finite".into()) }
+    }
+}
 
 impl<F: Fn(&DVector<f64>) -> Vec<f64>> Problem for Function<F> {
     type Point = DVector<f64>;
@@ -11,8 +18,8 @@ impl<F: Fn(&DVector<f64>) -> Vec<f64>> Problem for Function<F> {
     type Error = String;
 
     fn evaluate(&self, x: &DVector<f64>) -> Result<DVector<f64>, String> {
-        let r = DVector::from_vec((self.0)(x));
-        if r.iter().all(|v| v.is_finite()) { Ok(r) } else { Err("not finite".into()) }
+        let r = self.exact(x)?;
+        Ok(self.1.map_or(r.clone(), |digit| r.map(|v| (v / digit).round() * digit)))
     }
 
     fn cost(&self, point: &DVector<f64>) -> f64 {
@@ -24,7 +31,7 @@ impl<F: Fn(&DVector<f64>) -> Vec<f64>> Problem for Function<F> {
             let (mut low, mut high) = (x.clone(), x.clone());
             let way = 1e-6 * x[k].abs().max(1e-3);
             (low[k], high[k]) = (x[k] - way, x[k] + way);
-            Ok((self.evaluate(&high)? - self.evaluate(&low)?) / (2.0 * way))
+            Ok((self.exact(&high)? - self.exact(&low)?) / (2.0 * way))
         };
         Ok(DMatrix::from_columns(&(0..x.len()).map(column).collect::<Result<Vec<_>, String>>()?))
     }
@@ -46,7 +53,8 @@ fn solve<F: Fn(&DVector<f64>) -> Vec<f64>>(
     limits: &[(f64, f64)],
     options: Options,
 ) -> Solution<Function<F>> {
-    let found = minimise(&Function(residuals), DVector::from_column_slice(start), limits, &options).unwrap();
+    let found =
+        minimise(&Function(residuals, None), DVector::from_column_slice(start), limits, &options).unwrap();
     assert!(found.x.iter().zip(limits).all(|(x, (l, u))| l <= x && x <= u), "{}", found.x);
     assert_ne!(found.status, Status::Unfinished);
     found
@@ -176,7 +184,9 @@ fn evaluations_that_fail() {
     let log = |x: &DVector<f64>| vec![x[0].ln() + 3.0];
     let found = solve(log, &[20.0], &[FREE], Options::default());
     assert_near(&found.x, &[(-3f64).exp()], 1e-10);
-    assert!(minimise(&Function(log), DVector::from_element(1, -1.0), &[FREE], &Options::default()).is_err());
+    assert!(
+        minimise(&Function(log, None), DVector::from_element(1, -1.0), &[FREE], &Options::default()).is_err()
+    );
 }
 
 /// The units of the variables do not change the path.
@@ -220,51 +230,20 @@ fn slopes_can_be_used_again() {
 fn the_most_linearisations_are_said() {
     let options = Options { linearisations: 3, ..Options::default() };
     let start = DVector::from_column_slice(&[-1.2, 1.0]);
-    let found = minimise(&Function(rosenbrock), start, &[FREE; 2], &options).unwrap();
+    let found = minimise(&Function(rosenbrock, None), start, &[FREE; 2], &options).unwrap();
     assert_eq!((found.status, found.linearisations), (Status::Unfinished, 3));
 }
 
-/// A decay whose residuals are rounded to a ten-thousandth, as those of a simulation are; the slopes are exact.
-struct Rounded;
-
-impl Rounded {
-    fn exact(x: &DVector<f64>) -> Vec<f64> {
-        let of = |k: i32| f64::from(k).sqrt() - 3.0 * x[0] * (-0.1 * f64::from(k) * x[1]).exp();
-        (0..20).map(of).collect()
-    }
-}
-
-impl Problem for Rounded {
-    type Point = DVector<f64>;
-    type Slopes = DMatrix<f64>;
-    type Error = String;
-
-    fn evaluate(&self, x: &DVector<f64>) -> Result<DVector<f64>, String> {
-        Ok(DVector::from_vec(Rounded::exact(x)).map(|r| (1e4 * r).round() / 1e4))
-    }
-
-    fn cost(&self, point: &DVector<f64>) -> f64 {
-        point.norm_squared()
-    }
-
-    fn linearise(&self, x: &DVector<f64>, point: &DVector<f64>) -> Result<DMatrix<f64>, String> {
-        Function(Rounded::exact).linearise(x, point)
-    }
-
-    fn information(&self, slopes: &DMatrix<f64>) -> DMatrix<f64> {
-        slopes.transpose() * slopes
-    }
-
-    fn gradient(&self, _: &DVector<f64>, point: &DVector<f64>, slopes: &DMatrix<f64>) -> DVector<f64> {
-        slopes.transpose() * point
-    }
-}
-
-/// At the solution no step decreases rounded residuals, and the slopes still promise a little: one step shows that.
+/// A simulation rounds its residuals: at the solution no step decreases them, and the slopes still promise a little. One step shows that.
 #[test]
 fn rounded_residuals_end_the_search_at_the_solution() {
     let options = Options { decrease: 1e-3, damping: 1e-6, gradient: 0.0, step: 0.0, ..Options::default() };
-    let run = |start: DVector<f64>| minimise(&Rounded, start, &[FREE; 2], &options).unwrap();
+    let decay = |x: &DVector<f64>| {
+        let of = |k: i32| f64::from(k).sqrt() - 3.0 * x[0] * (-0.1 * f64::from(k) * x[1]).exp();
+        (0..20).map(of).collect::<Vec<_>>()
+    };
+    let rounded = Function(decay, Some(1e-4));
+    let run = |start: DVector<f64>| minimise(&rounded, start, &[FREE; 2], &options).unwrap();
     let first = run(DVector::from_vec(vec![1.0, -0.5]));
     let again = run(first.x);
     assert_eq!((first.status, again.status), (Status::Decrease, Status::Decrease));
