@@ -8,6 +8,7 @@
 //! drive and shaft, and from what its port acts on, which depends on the cooling.
 
 mod known;
+mod laws;
 
 use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit, Variability};
@@ -82,8 +83,9 @@ impl Dependencies {
     /// The dependencies of a model with these resources; the start values give the number of elements.
     pub fn of(kind: &ModelType, resources: &Resources, starts: &StartValues) -> Dependencies {
         let declaration = (kind.declaration)();
+        let resources = laws::without_ranges(resources);
         let Some(known) = Dependencies::known(declaration, starts) else {
-            return Dependencies::found(kind, resources, starts, (&POINTS, usize::MAX));
+            return Dependencies::found(kind, &resources, starts, (&POINTS, usize::MAX));
         };
         // Only numbers of elements among the start values change the set of variables.
         let counts = declaration.entries.iter().filter(|entry| declaration.is_dimension(entry));
@@ -91,7 +93,7 @@ impl Dependencies {
         if resources.is_empty() && usual {
             return known;
         }
-        let more = known.and(Dependencies::found(kind, resources, starts, (&ONCE, OF_TERMS)));
+        let more = known.and(Dependencies::found(kind, &resources, starts, (&ONCE, OF_TERMS)));
         // The elements that the stored dependencies have not are like those that they have.
         if usual { more } else { more.of_arrays(declaration) }
     }
