@@ -179,6 +179,18 @@ def test_a_budget_ends_the_search(program, tmp_path):
     assert any("time budget" in note for note in report["notes"])
 
 
+@pytest.mark.parametrize("budget", ["0.5", "1", "1.5", "2", "2.5"])
+def test_nothing_is_stated_about_data_that_were_not_checked(program, tmp_path, budget):
+    """The budget ends before, during or after the checks of data with a mistake."""
+    change, _ = UNUSABLE["torque with the other sign in one run"]
+    done, report, _ = run(program, tmp_path / "set", change, "--budget", budget)
+    assert report is not None, done.stdout + done.stderr
+    if report["verdict"] != "unusable":
+        assert (report["verdict"], report["effects"], report["unexplained"]) == ("nothing", [], None)
+        assert report["budget"]["exhausted"]
+        assert any("ended the checks" in note for note in report["notes"])
+
+
 @pytest.mark.parametrize("text", ["0", "-3", "soon"])
 def test_a_budget_that_is_none(program, tmp_path, text):
     done, _, _ = run(program, tmp_path / "set", lambda *_: None, f"--budget={text}")

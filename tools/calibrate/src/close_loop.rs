@@ -9,6 +9,8 @@
 
 mod judgement;
 mod stepwise;
+#[cfg(test)]
+mod tests;
 
 use crate::CalibrateError;
 use crate::deadline::Deadline;
@@ -43,8 +45,20 @@ const FIRST: f64 = 0.7;
 pub struct Options {
     /// Time budget of the search; unlimited if `None`.
     pub budget: Option<Duration>,
-    /// Whether only the declared parameters are fitted, without a search for effects.
-    pub fit_only: bool,
+    /// What is done.
+    pub extent: Extent,
+}
+
+/// What is done with the data.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Extent {
+    /// Effects are looked for.
+    #[default]
+    Search,
+    /// Only the declared parameters are fitted.
+    Fit,
+    /// The same, because the checks of the data were cut off: the verdict is that of a search that found nothing in its time.
+    Unchecked,
 }
 
 /// Runs the identification loop on an experiment; `preset` are the start values of its preset, by value reference. `progress` is called
@@ -83,6 +97,14 @@ fn rest(options: Options, begun: Instant, part: f64) -> Deadline {
     rest.map_or_else(Deadline::default, Deadline::after)
 }
 
+/// A result; `None` if the deadline ended its simulations, which is no mistake in the input.
+fn in_time<T>(deadline: &Deadline, result: Result<T, CalibrateError>) -> Result<Option<T>, CalibrateError> {
+    match result {
+        Err(_) if deadline.is_near() => Ok(None),
+        result => result.map(Some),
+    }
+}
+
 /// The search, or two if the runs disagree.
 fn closed(
     setup: &Setup,
@@ -96,13 +118,15 @@ fn closed(
     let _ = setup.lower_noise(&setup.preset(), &setup.runs(Role::Fit));
     let plain = setup.refit(&setup.runs(Role::Fit));
     let other = match &plain {
-        Ok(plain) if !deadline.is_near() => setup.between_runs(plain, &setup.runs(Role::Fit))?,
+        Ok(plain) if !deadline.is_near() => {
+            in_time(&deadline, setup.between_runs(plain, &setup.runs(Role::Fit)))?.flatten()
+        }
         _ => None,
     };
     match other {
         None => attempt(setup, plain, options, progress),
         // Fit only, or the fit runs themselves refute the plain fit, which then is no starting point for a search.
-        Some(other) if options.fit_only || other.is_plain_refuted => {
+        Some(other) if options.extent != Extent::Search || other.is_plain_refuted => {
             attempt(other.setup, Ok(other.fitted), options, progress)
         }
         // An effect that acts only in some runs also makes runs disagree.
@@ -157,15 +181,14 @@ fn attempt<'a>(
     let readings = refit.readings;
     let is_thin = readings < setup.declared.len();
     let mut looked = None;
-    if !(options.fit_only || is_thin || is_cut) {
-        looked = match Search::new(&setup, refit.clone(), &fit) {
-            Err(_) if deadline.is_near() => None,
-            search => Some(search?),
-        };
+    is_cut |= options.extent == Extent::Unchecked;
+    if !(options.extent == Extent::Fit || is_thin || is_cut) {
+        looked = in_time(&deadline, Search::new(&setup, refit.clone(), &fit))?;
         is_cut = looked.is_none();
     }
     if let Some(search_of) = &looked
-        && let Some(mut released) = better_than_effects(&search_of.first, &search_of.scored[0])?
+        && let Some(Some(mut released)) =
+            in_time(&deadline, better_than_effects(&search_of.first, &search_of.scored[0]))?
     {
         released.setup.noise = measured;
         return attempt(released.setup, Ok(released.fitted), options, progress);
@@ -173,10 +196,10 @@ fn attempt<'a>(
     let Some(mut search_of) = looked else {
         deadline.lift();
         let point = Linearization::judged(&setup, refit.clone(), &fit)?;
-        let verdict = if options.fit_only { Verdict::Fitted } else { Verdict::Nothing };
+        let verdict = if options.extent == Extent::Fit { Verdict::Fitted } else { Verdict::Nothing };
         let mut judgement = Judgement::of(verdict, &point);
         judgement.time_for_boxes = for_boxes;
-        if !options.fit_only && is_thin {
+        if options.extent != Extent::Fit && is_thin {
             judgement.notes.push(format!(
                 "{readings} readings and {} parameters: too few readings to look for missing effects",
                 setup.declared.len()

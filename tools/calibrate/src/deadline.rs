@@ -6,33 +6,60 @@ use std::time::{Duration, Instant};
 /// Fraction of the total time between the soft and the hard limit, for work in progress. Numerical: a limit of effort.
 const LEFT: f64 = 0.15;
 
+/// When a deadline passes.
+#[derive(Clone, Copy, Debug, Default)]
+enum End {
+    #[default]
+    Never,
+    /// Soft and hard limit.
+    At(Instant, Instant),
+    /// After it was asked for so many times, for tests.
+    #[cfg(test)]
+    Asked(usize),
+}
+
 /// The deadline, shared by all parts of a search. The default never passes.
 #[derive(Clone, Debug, Default)]
-pub struct Deadline(Arc<Mutex<Option<(Instant, Instant)>>>);
+pub struct Deadline(Arc<Mutex<End>>);
 
 impl Deadline {
     /// A deadline after this time.
     pub fn after(time: Duration) -> Deadline {
         let now = Instant::now();
-        Deadline(Arc::new(Mutex::new(Some((now + time.mul_f64(1.0 - LEFT), now + time)))))
+        Deadline(Arc::new(Mutex::new(End::At(now + time.mul_f64(1.0 - LEFT), now + time))))
     }
 
-    fn ends(&self) -> Option<(Instant, Instant)> {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    /// A deadline whose limits pass when it has been asked for so many times, at the same place on every machine.
+    #[cfg(test)]
+    pub fn asked(times: usize) -> Deadline {
+        Deadline(Arc::new(Mutex::new(End::Asked(times))))
+    }
+
+    fn has_passed(&self, limit: impl Fn(Instant, Instant) -> Instant) -> bool {
+        let mut end = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match &mut *end {
+            End::Never => false,
+            End::At(soft, hard) => Instant::now() >= limit(*soft, *hard),
+            #[cfg(test)]
+            End::Asked(left) => {
+                *left = left.saturating_sub(1);
+                *left == 0
+            }
+        }
     }
 
     /// Whether the soft limit has passed: no new work may start.
     pub fn is_near(&self) -> bool {
-        self.ends().is_some_and(|(soft, _)| Instant::now() >= soft)
+        self.has_passed(|soft, _| soft)
     }
 
     /// Whether the hard limit has passed: running work must stop.
     pub fn is_over(&self) -> bool {
-        self.ends().is_some_and(|(_, hard)| Instant::now() >= hard)
+        self.has_passed(|_, hard| hard)
     }
 
     /// Removes the deadline for the work after the search.
     pub fn lift(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = End::Never;
     }
 }

@@ -66,23 +66,28 @@ impl From<CalibrateError> for Refusal {
     }
 }
 
-/// Checks an experiment and sets aside invalid readings; `preset` are the start values of its preset, by value reference. Work that the
-/// deadline cuts off leads to no conclusion, and a note says so.
+/// Checks an experiment and sets aside invalid readings; `preset` are the start values of its preset, by value reference. Result: whether all
+/// checks were made. Work that the deadline cuts off leads to no conclusion, and a note says so.
 ///
 /// # Errors
 /// [`Refusal`].
-pub fn check(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<(), Refusal> {
+pub fn check(
+    experiment: &mut Experiment,
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Result<bool, Refusal> {
     sensors(experiment, preset, deadline)?;
     let unusable = clocks::check(experiment, preset, deadline)?.or_else(|| nothing_left(experiment));
     if let Some(unusable) = unusable {
         return Err(Refusal::Unusable(unusable));
     }
-    if deadline.is_near() {
-        let note =
-            "the time budget ended the checks of the data before all were made; --budget sets another one";
+    let is_complete = !deadline.is_near();
+    if !is_complete {
+        let note = "the time budget ended the checks of the data before all were made; no effect is looked for in data that were not \
+                    checked; --budget sets another one";
         experiment.notes.push(note.to_string());
     }
-    Ok(())
+    Ok(is_complete)
 }
 
 /// All checks except that of the clocks.

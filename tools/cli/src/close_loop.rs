@@ -16,7 +16,7 @@ use crate::parent::complain;
 use crate::progress::Progress;
 use crate::{Failure, write};
 use archive::build::{Standard, TermsFile, archive_path};
-use calibrate::close_loop::{self, Options};
+use calibrate::close_loop::{self, Extent, Options};
 use calibrate::deadline::Deadline;
 use calibrate::experiment::Experiment;
 use calibrate::intake::{self, Refusal, Unusable};
@@ -75,8 +75,6 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Fraction of the progress that the search takes; the rest is export and replay.
 const SEARCH: f64 = 0.9;
-/// Fraction of the time budget for the checks of the data, at most.
-const CHECKED: f64 = 0.3;
 /// Fraction of the time budget that is kept for export, validation and replay.
 const KEPT: f64 = 0.4;
 
@@ -97,17 +95,25 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     // Before minutes of work: a folder that cannot be written to is bad input too.
     crate::make_folder(&args.out)?;
     let bar = Progress::new("checking the data");
-    let checked = Deadline::after(Duration::from_secs_f64(CHECKED * args.budget));
-    match intake::check(&mut experiment, &preset.starts.entries(), &checked) {
-        Ok(()) => {}
+    // Checks come before the search: what is found in data that were not checked may be an ordinary mistake.
+    let checked = Deadline::after(Duration::from_secs_f64((1.0 - KEPT) * args.budget));
+    let is_checked = match intake::check(&mut experiment, &preset.starts.entries(), &checked) {
+        Ok(is_complete) => is_complete,
         Err(Refusal::Input(error)) => return Err(error.into()),
         Err(Refusal::Unusable(why)) => {
             bar.finish();
             return unusable(args, &experiment, &why, &made_of, begun.elapsed().as_secs_f64());
         }
-    }
+    };
     let left = (1.0 - KEPT) * args.budget - begun.elapsed().as_secs_f64();
-    let options = Options { budget: Some(Duration::from_secs_f64(left.max(0.1))), fit_only };
+    let options = Options {
+        budget: Some(Duration::from_secs_f64(left.max(0.1))),
+        extent: match (fit_only, is_checked) {
+            (true, _) => Extent::Fit,
+            (false, true) => Extent::Search,
+            (false, false) => Extent::Unchecked,
+        },
+    };
     let outcome = close_loop::run(&experiment, &preset.starts.entries(), options, &|share, what| {
         bar.set(what, SEARCH * share.clamp(0.0, 1.0));
     })?;

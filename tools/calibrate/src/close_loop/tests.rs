@@ -1,0 +1,43 @@
+use super::*;
+use crate::testing;
+use physics::terms::{Driver, GenericTerm, Law, Table};
+
+const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
+
+/// Readings of a motor with a drag that saturates with the speed.
+fn experiment() -> Experiment {
+    let mut experiment = testing::driven_by(("current_A", 1.0, 190.0), &testing::OUTPUTS, PRIORS, true);
+    let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
+    let table = Table::new(Driver::Speed, &[0.0, 200.0, 500.0], &[0.0, 0.008, 0.009]).unwrap();
+    let term = GenericTerm { port: Port::DragTorque, law: Law::Table(table), lag: None };
+    testing::read(&mut experiment, &preset, Some(term));
+    experiment
+}
+
+/// Wherever the deadline passes, in a fit, in a linearisation or in a search, there is an outcome.
+#[test]
+fn a_deadline_is_no_error() {
+    let experiment = experiment();
+    let mut cut = 0;
+    for times in (0..18).map(|k| 1.6f64.powi(k) as usize) {
+        let setup = Setup::new(&experiment, &[]).unwrap().until(Deadline::asked(times));
+        let outcome = closed(&setup, Options::default(), Instant::now(), &|_, _| ());
+        assert!(outcome.is_ok(), "asked for {times} times: {:?}", outcome.err());
+        cut += usize::from(outcome.is_ok_and(|outcome| outcome.is_cut));
+    }
+    assert!((8..18).contains(&cut), "{cut}");
+}
+
+/// In data that were not checked nothing is looked for; the declared parameters are fitted.
+#[test]
+fn unchecked_data_are_fitted_only() {
+    let experiment = experiment();
+    let closed =
+        |extent| run(&experiment, &[], Options { extent, ..Options::default() }, &|_, _| ()).unwrap();
+    let [found, unchecked, fitted] = [Extent::Search, Extent::Unchecked, Extent::Fit].map(closed);
+    assert!(!found.effects.is_empty() && !found.is_cut);
+    assert!(unchecked.effects.is_empty() && unchecked.is_cut && unchecked.verdict == Verdict::Nothing);
+    assert!(fitted.effects.is_empty() && !fitted.is_cut && fitted.verdict == Verdict::Fitted);
+    let values = |outcome: &Outcome| outcome.parameters.iter().map(|p| p.value).collect::<Vec<f64>>();
+    assert_eq!(values(&unchecked), values(&fitted));
+}
