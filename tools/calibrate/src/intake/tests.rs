@@ -210,6 +210,28 @@ fn sensors_that_do_not_work_are_set_aside() {
     }
 }
 
+/// Wherever the deadline passes, good data stay as they are, and wrong ones are unusable or were not checked to the end.
+#[test]
+fn what_the_deadline_cuts_off_leads_to_no_conclusion() {
+    let (good, mut wrong) = (experiment(1), experiment(1));
+    column(&mut wrong, TORQUE).iter_mut().for_each(|x| *x = -*x);
+    let (mut cut, mut found) = (0, 0);
+    for times in (0..18).map(|k| 1.7f64.powi(k) as usize) {
+        let mut data = good.clone();
+        let outcome = check(&mut data, &[], &Deadline::asked(times));
+        assert!(
+            outcome.is_ok() && data.runs[0].table.columns == good.runs[0].table.columns,
+            "{times}: {outcome:?}"
+        );
+        cut += usize::from(outcome == Ok(false));
+        match check(&mut wrong.clone(), &[], &Deadline::asked(times)) {
+            Err(Refusal::Unusable(_)) => found += 1,
+            outcome => assert_eq!(outcome, Ok(false), "{times}"),
+        }
+    }
+    assert!(cut > 0 && found > 0, "{cut} {found}");
+}
+
 /// An open ambient sensor at any value and a motor that was warm are detected; an offset of a few kelvin is not.
 #[test]
 fn a_run_that_starts_elsewhere_is_unusable() {
