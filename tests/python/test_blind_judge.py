@@ -109,6 +109,16 @@ ROUGH = truth(structure=3.0)
             report("named", "windage", notes=["winding_temperature_degC is set aside"]),
             j.TRACED,
         ),
+        # The same of a specimen that has what is named, with the mistake recognised and without.
+        (
+            truth(j.MISTAKE, mistake=FROZEN, structure=3.0),
+            report("named", "stator_node", notes=["winding_temperature_degC is set aside"]),
+            j.RIGHT,
+        ),
+        (truth(j.MISTAKE, mistake=FROZEN, structure=3.0), report("named", "stator_node"), j.UNNOTICED),
+        (truth(j.MISTAKE, mistake=FROZEN, structure=3.0), report("named", "windage"), j.TRACED),
+        (truth(j.MISTAKE, mistake=HARMLESS, structure=3.0), report("named", "stator_node"), j.RIGHT),
+        (truth(j.MISTAKE, mistake=HARMLESS, structure=3.0), report("named", "windage"), j.FALSE_ALARM),
         (truth(j.MISTAKE, mistake=HARMLESS), NOTHING, j.RIGHT),
         (truth(j.MISTAKE, mistake=HARMLESS), report("unusable", channel="voltage_V"), j.REFUSED_GOOD),
     ],

@@ -140,15 +140,17 @@ def true_of_structure(truth: dict, said: Said) -> bool:
 
 
 def of_mistake(truth: dict, said: Said | None, run: dict) -> str:
-    """Data that are wrong: recognised, and nothing named."""
+    """Data that are wrong: recognised, and nothing named that is not true of the specimen."""
     mistake = truth["mistake"]
     answers, channels = mistake["answers"], [c.rpartition("_")[0] or c for c in mistake["channels"]]
     if said is None:
         refused = run.get("exit_code") == 2 and run.get("error")
         return RIGHT if refused and "refused" in answers else REFUSED_GOOD if refused else NO_REPORT
+    # What the specimen has beyond two nodes may be named beside a mistake that is recognised.
+    traced = not said.nothing and not true_of_structure(truth, said)
     if "works" in answers:
-        return RIGHT if said.nothing and not said.unusable else REFUSED_GOOD if said.unusable else FALSE_ALARM
-    if not said.nothing:
+        return REFUSED_GOOD if said.unusable else FALSE_ALARM if traced else RIGHT
+    if traced:
         return TRACED
     if said.unusable:
         there = any(c in said.unusable for c in channels)

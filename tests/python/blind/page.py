@@ -41,6 +41,7 @@ linear step.
 An effect is *visible* if it changes a channel of the fit runs by at least noise and structure error together, after a linear refit of the
 declared parameters. The *floor* is the error of the true model with the measured inputs. Test errors are those of the channel with the largest ratio to
 its floor. A report that names a real difference between the two models (for example a second heat capacity) is not counted as a false alarm.
+Nor is it counted as a mistake traced to an effect, if the mistake is recognised as well.
 A driver counts as correct if its best function explains 98 % of the law over the fit runs.
 
 A criterion is met only if the 95 % interval of the rate (Clopper and Pearson) ends on the right side of the bound; "not decided" means that
