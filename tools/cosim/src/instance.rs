@@ -72,6 +72,19 @@ impl Instance {
         Self::instantiate_as(archive, name, log, InterfaceType::CoSimulation, &[])
     }
 
+    /// As [`Self::instantiate`], for [`Self::set_input_derivatives`] of these inputs (value references).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn instantiate_with_lines(
+        archive: &Archive,
+        name: &str,
+        log: Log,
+        inputs: &[u32],
+    ) -> Result<Self, Error> {
+        Self::instantiate_as(archive, name, log, InterfaceType::CoSimulation, inputs)
+    }
+
     /// As [`Self::instantiate`], for an interface type. FMI 3: the inputs in `intermediate` (value references) may have derivatives.
     pub(crate) fn instantiate_as(
         archive: &Archive,

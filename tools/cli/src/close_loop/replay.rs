@@ -1,11 +1,7 @@
 //! The exported FMUs over the runs once more, through the C functions of the standards.
 //!
-//! FMI 2 takes the slopes of inputs, so one step leads from row to row. FMI 3 has no such function, and a held input
-//! costs accuracy: a step between rows is cut into pairs of equal parts, in which an input that runs along a line of
-//! rise d over the pair is held at its mean over the pair -+ d / sqrt(12). That keeps the mean of the input and of its square, which
-//! is what heat and charge follow from.                                                                          (1)
-//! Outputs are read at the rows, with the inputs of the row. A fast state at a row (the current of an imposed voltage) follows the
-//! inputs just before it: the pairs become shorter by half towards the row.                                        (2)
+//! Inputs are linear between rows: FMI 2 takes their derivatives with a call, FMI 3 in intermediate update mode. One step leads from row to row,
+//! in both with the numbers of the native model.
 
 use super::export::{Exported, terms};
 use crate::Failure;
@@ -20,12 +16,6 @@ use std::path::PathBuf;
 
 /// Tolerance of the FMU's error relative to the model's, as a fraction of the channel's range.
 const LIMIT: f64 = 1e-6;
-/// Pairs of parts of a step between rows for FMI 3.
-const PAIRS: usize = 16;
-/// Times that the last of them is halved by (2). The held input then differs from that of the row by 0.2 / 16 / 2^10 of its change
-/// between the rows, 1e-5.
-const HALVES: usize = 10;
-
 /// Runs every test run (without readings in such, every validation run, else those that were fitted) with both archives.
 pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -> Result<Replay, Failure> {
     let has = |role: &Role| outcome.errors.iter().any(|e| e.role == *role);
@@ -162,8 +152,7 @@ fn shown(
     let description = archive.description();
     let inputs = references(description, experiment.inputs.iter().filter_map(|c| c.input))?;
     let outputs = references(description, experiment.outputs.iter().filter_map(|c| c.output))?;
-    let takes_slopes = description.co_simulation().is_some_and(|i| i.can_interpolate_inputs);
-    let mut fmu = Instance::instantiate(archive, &description.model_name, Log::new())?;
+    let mut fmu = Instance::instantiate_with_lines(archive, &description.model_name, Log::new(), &inputs)?;
     let from = cosim::Experiment { start: drive.time[0], ..Default::default() };
     fmu.setup_experiment(&from)?;
     set(&mut fmu, description, starts)?;
@@ -171,7 +160,7 @@ fn shown(
     let row = |k: usize| drive.inputs().iter().map(move |input| input[k]).collect::<Vec<f64>>();
     fmu.set_f64(&inputs, &row(0))?;
     fmu.exit_initialization()?;
-    let (rows, parts) = (drive.time.len(), parts());
+    let rows = drive.time.len();
     let mut shown = vec![Vec::with_capacity(rows); outputs.len()];
     let mut values = vec![0.0; outputs.len()];
     let mut over = false;
@@ -184,40 +173,15 @@ fn shown(
             continue;
         }
         let (from, to, t, h) = (row(k), row(k + 1), drive.time[k], next - drive.time[k]);
-        if takes_slopes {
-            let slopes: Vec<f64> = from.iter().zip(&to).map(|(a, b)| (b - a) / h).collect();
-            fmu.set_input_derivatives(&inputs, &slopes)?;
-            over = fmu.do_step(t, h)? == Step::Terminated;
-        } else {
-            for (begin, end, share) in &parts {
-                let held: Vec<f64> = from.iter().zip(&to).map(|(a, b)| a + share * (b - a)).collect();
-                fmu.set_f64(&inputs, &held)?;
-                over = fmu.do_step(t + begin * h, (end - begin) * h)? == Step::Terminated;
-                if over {
-                    break;
-                }
-            }
-        }
+        let slopes: Vec<f64> = from.iter().zip(&to).map(|(a, b)| (b - a) / h).collect();
+        fmu.set_input_derivatives(&inputs, &slopes)?;
+        over = fmu.do_step(t, h)? == Step::Terminated;
         if !over {
             fmu.set_f64(&inputs, &to)?;
         }
     }
     fmu.terminate()?;
     Ok(shown)
-}
-
-/// The parts between two rows, 0 at the row before, 1 at the row after: begin, end, and where the inputs are held by (1).
-fn parts() -> Vec<(f64, f64, f64)> {
-    let pair = 1.0 / PAIRS as f64;
-    let even = (0..PAIRS).map(move |n| n as f64 * pair);
-    let halved = (1..=HALVES).map(move |n| 1.0 - pair * 0.5f64.powi(n as i32));
-    let begins: Vec<f64> = even.chain(halved).chain([1.0]).collect();
-    let of_pair = |n: usize| {
-        let (begin, end) = (begins[n], begins[n + 1]);
-        let (middle, way) = (0.5 * (begin + end), (end - begin) / 12f64.sqrt());
-        [(begin, middle, middle - way), (middle, end, middle + way)]
-    };
-    (0..begins.len() - 1).flat_map(of_pair).collect()
 }
 
 fn references<'a>(
@@ -302,28 +266,5 @@ fn compare(experiment: &Experiment, outcome: &Outcome, run: &Run, shown: &[Vec<f
                 sum.apart = sum.apart.max((shown[n][k] - channel.offset - native).abs());
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A line from 2 to 5: the held values have its mean, 3.5, and the mean of its square, 13.
-    #[test]
-    fn held_inputs_keep_the_mean_and_that_of_the_square() {
-        let mean =
-            |f: fn(f64) -> f64| parts().iter().map(|(a, b, x)| (b - a) * f(2.0 + 3.0 * x)).sum::<f64>();
-        assert!((mean(|x| x) - 3.5).abs() < 1e-12);
-        assert!((mean(|x| x * x) - 13.0).abs() < 1e-12);
-    }
-
-    /// The parts follow one another up to the row, where the held input is that of the row but for 1e-5.
-    #[test]
-    fn parts_lead_to_the_row() {
-        let all = parts();
-        assert!(all.windows(2).all(|pair| pair[0].1 == pair[1].0));
-        let (_, end, held) = all[all.len() - 1];
-        assert!(all[0].0 == 0.0 && end == 1.0 && (1.0 - held) < 1.5e-5 && held < 1.0, "{held}");
     }
 }

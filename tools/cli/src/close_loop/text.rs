@@ -284,15 +284,9 @@ pub fn replay(replay: &Replay) -> String {
         return "no run was replayed with the exported FMUs: no role has a reading".to_owned();
     };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
-    let why = if !replay.agrees && worst.standard == "fmi3" {
-        "; FMI 3 has no input derivatives, so each row is divided into substeps, and a term, whose drivers are constant over a step, \
-         follows them more closely in those"
-    } else {
-        ""
-    };
     format!(
         "replayed with the exported FMUs: {} ({} data); their outputs differ from the model's by at most {:.1e} of the channel's range ({} in {}), \
-         {relation} {:.0e}{why}",
+         {relation} {:.0e}",
         list(&replay.replayed, "and"),
         replay.role,
         replay.greatest_difference,
