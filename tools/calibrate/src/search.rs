@@ -22,7 +22,7 @@ mod tests;
 
 use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Gain;
-use crate::hypothesis::Addition;
+use crate::hypothesis::{Addition, Shape, place, values};
 use crate::levels::{NEARLY, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
@@ -75,12 +75,23 @@ impl Scored {
         self.name.ends_with(FREE)
     }
 
-    /// Whether its shape decreases with its driver overall; for a power law, whether its coefficient is negative.
+    /// Whether its shape decreases with its driver overall, of two drivers with the temperature; for a power law, whether its coefficient is
+    /// negative.
     fn falls(&self) -> bool {
-        let middle = self.shape.iter().map(|(x, ..)| x).sum::<f64>() / self.shape.len() as f64;
-        match self.shape[..] {
-            [(_, coefficient, _)] => coefficient < 0.0,
-            _ => self.shape.iter().map(|(x, value, _)| (x - middle) * value).sum::<f64>() < 0.0,
+        let points: Vec<(f64, f64)> = match self.addition.as_ref().map(|a| (&a.shape, &a.numbers)) {
+            Some((Shape::Table { axes, .. }, numbers)) if axes.len() > 1 => {
+                let at = |k: usize| {
+                    let (axis, own) = place(axes, k).find(|(axis, _)| is_inside(axis.driver))?;
+                    Some((axis.knots[own], numbers[k].value))
+                };
+                (0..values(axes)).filter_map(at).collect()
+            }
+            _ => self.shape.iter().map(|(x, value, _)| (*x, *value)).collect(),
+        };
+        let middle = points.iter().map(|(x, _)| x).sum::<f64>() / points.len() as f64;
+        match points[..] {
+            [(_, coefficient)] => coefficient < 0.0,
+            _ => points.iter().map(|(x, value)| (x - middle) * value).sum::<f64>() < 0.0,
         }
     }
 
@@ -158,16 +169,30 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
     all
 }
 
-/// A heat at the housing that decreases with its temperature is a heat loss: if a conductance to ambient over the same driver explains
+/// A heat at the housing that decreases with its temperature is a heat loss: if a conductance to ambient over the same drivers explains
 /// nearly as much, the conductance is preferred.
 fn leave_to_the_air(all: &mut Vec<Scored>) {
-    let temperature = [Driver::HousingTemperature, Driver::WindingTemperature].map(Follows::Driver);
-    let law = |s: &Scored, port: Port| s.port == port && !s.listed && temperature.contains(&s.follows);
-    let shape = |s: &Scored| (s.follows, s.shape.len());
+    // Present values of one or two drivers, one of them a temperature of the motor.
+    let law = |s: &Scored, port: Port| {
+        let is_present = matches!(s.follows, Follows::Driver(_) | Follows::Both(..));
+        s.port == port && !s.listed && is_present && s.follows.drivers().any(is_inside)
+    };
+    let same = |a: Follows, b: Follows| {
+        a.drivers().count() == b.drivers().count() && a.drivers().all(|own| b.drivers().any(|d| d == own))
+    };
     let air = all.iter().filter(|s| law(s, Port::HousingAmbientConductance));
-    let air: Vec<_> = air.map(|s| (shape(s), s.sure())).collect();
-    let as_well = |s: &Scored| air.iter().any(|(own, sure)| *own == shape(s) && *sure > NEARLY * s.sure());
+    let air: Vec<_> = air.map(|s| (s.follows, s.shape.len(), s.sure())).collect();
+    let as_well = |s: &Scored| {
+        air.iter().any(|(follows, length, sure)| {
+            same(*follows, s.follows) && *length == s.shape.len() && *sure > NEARLY * s.sure()
+        })
+    };
     all.retain(|s| !(law(s, Port::HousingHeat) && s.falls() && as_well(s)));
+}
+
+/// Whether a driver is the temperature of a node of the motor.
+fn is_inside(driver: Driver) -> bool {
+    matches!(driver, Driver::HousingTemperature | Driver::WindingTemperature)
 }
 
 /// Size of an effect by its change to first order; `None` if it has the wrong sign. A large effect is beyond its limit to first order:

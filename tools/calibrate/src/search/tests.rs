@@ -1,7 +1,8 @@
 use super::*;
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Axis, Hypothesis, Number};
 use crate::setup::Setup;
 use crate::testing;
+use nalgebra::DMatrix;
 use physics::terms::{Factor, GenericTerm, Lag, Law, Product};
 
 /// Law over a driver with given evidence and shape (driver, value).
@@ -45,6 +46,36 @@ fn heat_that_falls_as_the_housing_warms_leaves_by_a_conductance() {
     assert_eq!(left(&growing, 95.0).len(), 2);
     // For a power law the sign of the coefficient decides.
     assert_eq!((left(&[(0.0, -1.0)], 95.0).len(), left(&[(0.0, 1.0)], 95.0).len()), (1, 2));
+}
+
+/// The same of two drivers, in either order, where the heat decreases with the temperature and not with the speed.
+#[test]
+fn a_loss_over_two_drivers_leaves_by_a_conductance() {
+    let (warm, speed) = (Driver::HousingTemperature, Driver::Speed);
+    let both = |port: Port, [a, b]: [Driver; 2], of: fn(f64, f64) -> f64| {
+        let axis = |driver: Driver| Axis { driver, knots: vec![0.0, 1.0] };
+        let follows = Follows::Both(a, b);
+        let mut addition = testing::law(port, follows);
+        addition.shape = Shape::Table { axes: vec![axis(a), axis(b)], precision: DMatrix::identity(4, 4) };
+        let number = |(x, y): (f64, f64)| {
+            let value = if a == warm { of(x, y) } else { of(y, x) };
+            Number { symbol: String::new(), value, limits: (-9.0, 9.0), unit: "W", scale: 1.0, sloped: true }
+        };
+        addition.numbers = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)].map(number).to_vec();
+        Scored { addition: Some(addition), ..law(port, follows, 100.0, &[(0.0, 0.0), (1.0, 0.0)]) }
+    };
+    let left = |of: fn(f64, f64) -> f64, drivers: [Driver; 2], other: [Driver; 2]| {
+        let conductance = both(Port::HousingAmbientConductance, other, |_, _| 1.0);
+        let mut all = vec![both(Port::HousingHeat, drivers, of), conductance];
+        leave_to_the_air(&mut all);
+        all.len()
+    };
+    let (loss, gain): (fn(f64, f64) -> f64, fn(f64, f64) -> f64) = (|t, w| 3.0 * w - t, |t, w| t - 3.0 * w);
+    for order in [[warm, speed], [speed, warm]] {
+        assert_eq!((left(loss, order, [speed, warm]), left(gain, order, [speed, warm])), (1, 2));
+        // Another second driver is another law.
+        assert_eq!(left(loss, order, [Driver::Current, warm]), 2);
+    }
 }
 
 #[test]
