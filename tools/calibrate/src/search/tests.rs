@@ -48,11 +48,14 @@ fn heat_that_falls_as_the_housing_warms_leaves_by_a_conductance() {
     assert_eq!((left(&[(0.0, -1.0)], 95.0).len(), left(&[(0.0, 1.0)], 95.0).len()), (1, 2));
 }
 
+/// A heat over temperature and speed.
+type Heat = fn(f64, f64) -> f64;
+
 /// The same of two drivers, in either order, where the heat decreases with the temperature and not with the speed.
 #[test]
 fn a_loss_over_two_drivers_leaves_by_a_conductance() {
     let (warm, speed) = (Driver::HousingTemperature, Driver::Speed);
-    let both = |port: Port, [a, b]: [Driver; 2], of: fn(f64, f64) -> f64| {
+    let both = |port: Port, [a, b]: [Driver; 2], of: Heat| {
         let axis = |driver: Driver| Axis { driver, knots: vec![0.0, 1.0] };
         let follows = Follows::Both(a, b);
         let mut addition = testing::law(port, follows);
@@ -64,13 +67,13 @@ fn a_loss_over_two_drivers_leaves_by_a_conductance() {
         addition.numbers = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)].map(number).to_vec();
         Scored { addition: Some(addition), ..law(port, follows, 100.0, &[(0.0, 0.0), (1.0, 0.0)]) }
     };
-    let left = |of: fn(f64, f64) -> f64, drivers: [Driver; 2], other: [Driver; 2]| {
+    let left = |of: Heat, drivers: [Driver; 2], other: [Driver; 2]| {
         let conductance = both(Port::HousingAmbientConductance, other, |_, _| 1.0);
         let mut all = vec![both(Port::HousingHeat, drivers, of), conductance];
         leave_to_the_air(&mut all);
         all.len()
     };
-    let (loss, gain): (fn(f64, f64) -> f64, fn(f64, f64) -> f64) = (|t, w| 3.0 * w - t, |t, w| t - 3.0 * w);
+    let (loss, gain): (Heat, Heat) = (|t, w| 3.0 * w - t, |t, w| t - 3.0 * w);
     for order in [[warm, speed], [speed, warm]] {
         assert_eq!((left(loss, order, [speed, warm]), left(gain, order, [speed, warm])), (1, 2));
         // Another second driver is another law.
