@@ -99,14 +99,16 @@ fn follow(
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use std::os::unix::fs::PermissionsExt;
+    use std::process::Command;
 
-    /// Findings with a program that replaces the validator's child process.
+    /// Findings with a program that replaces the validator's child process. Another process writes it: a child that another test starts
+    /// meanwhile would inherit the open file, and a file that is open for writing cannot be run.
     fn codes(script: &str) -> Vec<&'static str> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("child");
-        std::fs::write(&path, format!("#!/bin/sh\nread n\n{script}\n")).unwrap();
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let text = format!("#!/bin/sh\nread n\n{script}\n");
+        let write = r#"printf %s "$1" > "$0" && chmod 755 "$0""#;
+        assert!(Command::new("sh").args(["-c", write]).arg(&path).arg(text).status().unwrap().success());
         run(&path, Path::new("x.fmu"), FmiVersion::V2, Duration::from_secs(1))
             .iter()
             .map(|f| f.code)
