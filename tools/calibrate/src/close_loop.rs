@@ -187,8 +187,8 @@ fn attempt<'a>(
         is_cut = looked.is_none();
     }
     if let Some(search_of) = &looked
-        && let Some(Some(mut released)) =
-            in_time(&deadline, better_than_effects(&search_of.first, &search_of.scored[0]))?
+        && let Some(mut released) =
+            in_time(&deadline, better_than_effects(&search_of.first, &search_of.scored[0]))?.flatten()
     {
         released.setup.noise = measured;
         return attempt(released.setup, Ok(released.fitted), options, progress);

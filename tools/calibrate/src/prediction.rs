@@ -93,9 +93,7 @@ fn excursion(setup: &Setup, predicted: &Shown, place: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing;
-
-    const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
+    use crate::testing::{self, PRIORS};
 
     /// The intervals of a correct model contain 95 % of its readings; those of a model with structure error are wider accordingly.
     #[test]

@@ -16,6 +16,9 @@ pub const NOISE: f64 = 1e-3;
 pub const OUTPUTS: [&str; 4] =
     ["voltage_V", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"];
 
+/// Priors of three parameters that every run determines.
+pub const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
+
 /// One run of 300 rows of 5 s with varying load, speed and fan; constant inputs if `wild` is false. Without readings.
 pub fn experiment(priors: &str, wild: bool) -> Experiment {
     driven_by(("current_A", 1.0, 90.0), &OUTPUTS, priors, wild)
@@ -51,6 +54,14 @@ pub fn driven_by(
     );
     std::fs::write(folder.path().join("e.toml"), text).unwrap();
     Experiment::read(&folder.path().join("e.toml")).unwrap()
+}
+
+/// Readings of the preset's motor with a term, with [`PRIORS`]. The period of the speed is not that of the current.
+pub fn with_term(term: GenericTerm) -> Experiment {
+    let mut experiment = driven_by(("current_A", 1.0, 190.0), &OUTPUTS, PRIORS, true);
+    let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
+    read(&mut experiment, &preset, Some(term));
+    experiment
 }
 
 /// Fills the run with readings simulated with these parameters and a term.

@@ -2,16 +2,10 @@ use super::*;
 use crate::testing;
 use physics::terms::{Driver, GenericTerm, Law, Table};
 
-const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
-
 /// Readings of a motor with a drag that saturates with the speed.
 fn experiment() -> Experiment {
-    let mut experiment = testing::driven_by(("current_A", 1.0, 190.0), &testing::OUTPUTS, PRIORS, true);
-    let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
     let table = Table::new(Driver::Speed, &[0.0, 200.0, 500.0], &[0.0, 0.008, 0.009]).unwrap();
-    let term = GenericTerm { port: Port::DragTorque, law: Law::Table(table), lag: None };
-    testing::read(&mut experiment, &preset, Some(term));
-    experiment
+    testing::with_term(GenericTerm::new(Port::DragTorque, Law::Table(table)))
 }
 
 /// Wherever the deadline passes, in a fit, in a linearisation or in a search, there is an outcome.

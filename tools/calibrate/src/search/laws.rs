@@ -11,7 +11,7 @@
 //! (hyperparameters); Duvenaud, Nickisch, Rasmussen, Advances in Neural Information Processing Systems 24 (2011) 226-234 (additive
 //! processes); Duvenaud et al., Int. Conf. Machine Learning 28 (2013) 1166-1174 (search).
 
-use super::{Scored, choice, scored, temperatures};
+use super::{Scored, choice, is_inside, scored, temperatures};
 use crate::evidence::Gain;
 use crate::experiment::Channel;
 use crate::hypothesis::{Addition, Axis, Number, Shape, place, power, values, weight};
@@ -53,7 +53,7 @@ pub(super) fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
 }
 
 fn is_temperature(driver: Driver) -> bool {
-    matches!(driver, Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature)
+    is_inside(driver) || driver == Driver::AmbientTemperature
 }
 
 /// Whether a driver varies so much in the runs that a law can follow it: a temperature by [`PART`] of [`STEEP`].

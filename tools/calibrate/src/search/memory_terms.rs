@@ -1,6 +1,6 @@
 //! Candidates that present driver values cannot explain: latent inputs and laws with memory.
 
-use super::{Scored, choice, scored};
+use super::{Scored, choice, is_inside, scored};
 use crate::evidence::Gain;
 use crate::experiment::Channel;
 use crate::hypothesis::hat;
@@ -155,7 +155,7 @@ pub(super) fn histories(point: &Linearization, port: Port, per_number: f64) -> V
         };
         let latched = thresholds.iter().map(|x| (*x, f64::NEG_INFINITY)).collect();
         best(&format!("latched by {} above", driver.name()), 3.0, gains(latched));
-        if matches!(driver, Driver::WindingTemperature | Driver::HousingTemperature) {
+        if is_inside(driver) {
             let tried = thresholds.iter().flat_map(|x| WIDTHS.iter().map(move |w| (*x, *x - w))).collect();
             best(&format!("switched by {} with hysteresis above", driver.name()), 4.0, gains(tried));
         }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::hypothesis::{Axis, Hypothesis, Number};
 use crate::setup::Setup;
-use crate::testing;
+use crate::testing::{self, PRIORS};
 use nalgebra::DMatrix;
 use physics::terms::{Factor, GenericTerm, Lag, Law, Product};
 
@@ -94,14 +94,9 @@ fn what_knows_its_past_is_clear_where_no_present_value_comes_near() {
     assert!(!needs_memory(&[free, present(100.0)]));
 }
 
-const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
-
 /// Search result for simulated readings of a motor with a term, and the point of linearization.
 fn found_of<T>(term: GenericTerm, see: impl Fn(&Linearization, Vec<Scored>) -> T) -> T {
-    // The period of the speed is not that of the current.
-    let mut experiment = testing::driven_by(("current_A", 1.0, 190.0), &testing::OUTPUTS, PRIORS, true);
-    let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
-    testing::read(&mut experiment, &preset, Some(term));
+    let experiment = testing::with_term(term);
     let setup = Setup::new(&experiment, &[]).unwrap();
     let point = Linearization::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
     let scored = search(&point);

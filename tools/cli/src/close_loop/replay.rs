@@ -16,6 +16,7 @@ use std::path::PathBuf;
 
 /// Tolerance of the FMU's error relative to the model's, as a fraction of the channel's range.
 const LIMIT: f64 = 1e-6;
+
 /// Runs every test run (without readings in such, every validation run, else those that were fitted) with both archives.
 pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -> Result<Replay, Failure> {
     let has = |role: &Role| outcome.errors.iter().any(|e| e.role == *role);
