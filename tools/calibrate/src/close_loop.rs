@@ -13,6 +13,7 @@ mod stepwise;
 mod tests;
 
 use crate::CalibrateError;
+use crate::acting::acting;
 use crate::deadline::Deadline;
 use crate::estimates;
 use crate::experiment::{Experiment, Role};
@@ -21,7 +22,7 @@ use crate::levels::{DECISIVE, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::search::{Scored, best_memory_term, latent_input_at, search};
-use crate::selection::{Candidate, Round, acting, shares};
+use crate::selection::{Candidate, Round, shares};
 use crate::separate::separate;
 use crate::setup::Setup;
 use crate::undeclared::better_than_effects;

@@ -134,6 +134,18 @@ impl Slopes {
         Ok(Slopes { tangents, leads, acts, runs: runs.to_vec() })
     }
 
+    /// Appends those of the same hypothesis and probes along other runs.
+    pub fn extend(&mut self, other: Slopes) {
+        self.tangents.extend(other.tangents);
+        self.runs.extend(other.runs);
+    }
+
+    /// Keeps those of the first `count` runs.
+    pub fn truncate(&mut self, count: usize) {
+        self.tangents.truncate(count);
+        self.runs.truncate(count);
+    }
+
     /// Directions of the last `count` probes of a run.
     pub fn further(&self, run: usize, count: usize) -> &[Option<Direction>] {
         let all = &self.tangents[run].directions;

@@ -12,6 +12,7 @@
 //! | [`hypothesis`], [`catalogue`] | candidate model: parameters, listed effects, unlisted terms |
 //! | `parallel` | parallel evaluation |
 //! | [`setup`] | prepared experiment; residuals by row and by block |
+//! | `acting` | whether an effect limited to some runs acts in unfitted ones |
 //! | [`fit`] | parameter estimation of a hypothesis with bounds and priors |
 //! | `disagreement` | runs that disagree by more than the sensor noise |
 //! | `input_noise` | effect of input noise on the outputs |
@@ -27,6 +28,7 @@
 //! | `prediction` | prediction intervals |
 //! | `estimates`, [`outcome`], [`report`] | confidence intervals, errors and texts: as data, and as `report.json` |
 
+mod acting;
 mod algebra;
 mod beyond;
 mod blackbox;

@@ -1,26 +1,24 @@
 //! Fitted model linearised along its runs, with its residual: the base point of a search for further effects.
 
+mod null_model;
+
 use crate::CalibrateError;
+use crate::acting::acting;
 use crate::catalogue::{LISTED, Listed, Way};
-use crate::evidence::{Evidence, Prior, Series};
-use crate::experiment::Channel;
+use crate::evidence::Evidence;
+use crate::experiment::{Channel, Role};
 use crate::fit::{Fitted, Slopes};
-use crate::hypothesis::{Addition, Shape, hat};
-use crate::levels::{CALIBRATED, CERTAIN};
-use crate::parallel;
+use crate::hypothesis::{Addition, Shape};
+use crate::levels::CERTAIN;
 use crate::search::{latent_input, structure};
 use crate::setup::{Setup, Shown};
 use crate::tangent::{Direction, Probe};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
+use null_model::evidence;
 use physics::terms::{Driver, Drivers, Port};
 
-/// Shortest distance between the knots of a sensor's drift, s. Derivation: about half of the shortest correlation time of a drift, 2000
-/// s.
-const KNOT: f64 = 900.0;
 /// Perturbation of a listed effect as a fraction of its nominal size. Numerical: half of the digits remain in the difference.
 const WAY: f64 = 1e-3;
-/// Greatest number of such knots over all runs. Numerical: longer experiments resolve slower drifts only.
-const MOST_KNOTS: usize = 24;
 
 /// Error message if the parameters cannot be estimated.
 const INSEPARABLE: &str = "the parameters cannot be told apart by these runs";
@@ -49,6 +47,8 @@ pub struct Linearization<'a> {
     pub slopes: Slopes,
     /// The residual with all columns that already explain parts of it.
     pub evidence: Evidence,
+    /// -2 log p of the fit runs and the validation runs; `None` without validation runs, and if the model cannot be run there.
+    with_validation: Option<(f64, f64)>,
     /// Effects with a usable derivative, with the index of their direction after those of the model.
     listed: Vec<(&'static Listed, Addition)>,
     inputs: usize,
@@ -126,22 +126,96 @@ impl<'a> Linearization<'a> {
         }
         let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
         let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), ports.len())?;
-        let mut point =
-            Linearization { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs };
+        let mut point = Linearization {
+            setup,
+            fitted,
+            runs: runs.to_vec(),
+            slopes,
+            evidence,
+            with_validation: None,
+            ports,
+            listed,
+            inputs,
+        };
         // The first linearization with all ports determines the structure error.
-        if ports.len() == Port::ALL.len() {
+        let is_first = ports.len() == Port::ALL.len() && setup.structure.get().is_none();
+        if is_first || ports.is_empty() {
+            // What cannot be run in the validation runs is not predicted by them.
+            point.with_validation = point.validated(&further).ok();
+        }
+        if is_first {
             setup.structure.get_or_init(|| structure(&point));
         }
-        if let Some(columns) = setup.structure.get() {
-            let with = point.evidence.with_structure(columns);
-            point.evidence = with.ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))?;
-        }
-        point.evidence.add_memory().ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))?;
+        point.complete()?;
         // No further search from here; the memory is released, because many linearizations are kept.
         if ports.is_empty() {
             point.evidence.settle();
         }
         Ok(point)
+    }
+
+    /// Adds structure error and the memory of the noise to the null model.
+    fn complete(&mut self) -> Result<(), CalibrateError> {
+        let inseparable = || CalibrateError(INSEPARABLE.to_string());
+        let values = self.evidence.values();
+        if let Some(columns) = self.setup.structure.get().filter(|columns| columns.nrows() >= values) {
+            let with = self.evidence.with_structure(&columns.rows(0, values).into_owned());
+            self.evidence = with.ok_or_else(inseparable)?;
+        }
+        self.evidence.add_memory().ok_or_else(inseparable)
+    }
+
+    /// -2 log p of the fit runs and the validation runs. The first linearization with all ports determines the structure error along all of
+    /// them.
+    fn validated(&mut self, further: &[Probe]) -> Result<(f64, f64), CalibrateError> {
+        let (setup, fit) = (self.setup, self.runs.len());
+        let validation = setup.runs(Role::Validate);
+        if validation.is_empty() || self.runs != setup.runs(Role::Fit) {
+            return Err(CalibrateError("no validation runs".to_string()));
+        }
+        let mut hypothesis = self.fitted.hypothesis.clone();
+        acting(setup, &mut hypothesis, &validation)?;
+        let fitted = setup.judged(hypothesis, &validation)?;
+        let slopes = Slopes::new(setup, &fitted.hypothesis, &validation, further)?;
+        let own = (std::mem::replace(&mut self.fitted.hypothesis, fitted.hypothesis), self.evidence.clone());
+        self.runs.extend(&validation);
+        self.fitted.shown.extend(fitted.shown);
+        self.slopes.extend(slopes);
+        let cost = self.cost_of_all(further.len());
+        (self.fitted.hypothesis, self.evidence) = own;
+        self.runs.truncate(fit);
+        self.fitted.shown.truncate(fit);
+        self.slopes.truncate(fit);
+        cost
+    }
+
+    /// -2 log p of all runs of the linearization.
+    fn cost_of_all(&mut self, further: usize) -> Result<(f64, f64), CalibrateError> {
+        self.evidence =
+            evidence(self.setup, &self.fitted, &self.runs, &self.slopes, further, self.ports.len())?;
+        if self.ports.len() == Port::ALL.len() {
+            self.setup.structure.get_or_init(|| structure(self));
+        }
+        self.complete()?;
+        Ok(self.evidence.cost())
+    }
+
+    /// Decrease of -2 log p from `before` to this model, for autocorrelated and for white noise, over the fit runs and the validation runs:
+    /// parameters are those of the fit, and all these runs change them to first order.
+    pub fn explains(&self, before: &Linearization) -> (f64, f64) {
+        let pair = before.with_validation.zip(self.with_validation);
+        let (before, own) = pair.unwrap_or_else(|| (before.evidence.cost(), self.evidence.cost()));
+        (before.0 - own.0, before.1 - own.1)
+    }
+
+    /// The part of [`explains`](Self::explains) beyond that of the fit runs alone: twice the logarithm of the ratio of the predictive densities
+    /// of the validation runs, with their own zero offsets, drift and structure error. `None` without validation runs.
+    ///
+    /// *Source*: Geisser, Eddy, J. Am. Stat. Assoc. 74 (1979) 153-160 (predictive densities select models).
+    pub fn foretells(&self, before: &Linearization) -> Option<f64> {
+        let known = before.with_validation?.0 - before.evidence.cost().0;
+        let own = self.with_validation.map(|cost| cost.0 - self.evidence.cost().0);
+        Some(known - own.unwrap_or(f64::INFINITY))
     }
 
     /// Releases all memory except parameters, their uncertainties and cost.
@@ -329,160 +403,3 @@ impl<'a> Linearization<'a> {
     }
 }
 
-/// Residual of a fitted model with the columns that may already explain it: its own parameters, drifting sensors, and the error of
-/// the first ambient reading, at which all nodes start.
-fn evidence(
-    setup: &Setup,
-    fitted: &Fitted,
-    runs: &[usize],
-    slopes: &Slopes,
-    further: usize,
-    before_inputs: usize,
-) -> Result<Evidence, CalibrateError> {
-    let blocks: usize = runs.iter().map(|r| setup.blocks[*r].len()).sum();
-    let mut residual = Vec::with_capacity(blocks);
-    for (r, run) in runs.iter().enumerate() {
-        setup.residual(*run, &fitted.shown[r], &mut residual);
-    }
-    let gather = |answer: &(dyn Fn(usize) -> Option<Vec<f64>> + Sync)| -> Vec<f64> {
-        let mut all = Vec::with_capacity(blocks);
-        for (r, run) in runs.iter().enumerate() {
-            match answer(r) {
-                Some(values) => setup.means(*run, &values, &mut all),
-                None => all.extend(setup.blocks[*run].iter().map(|_| 0.0)),
-            }
-        }
-        all
-    };
-    // Parameters of the model.
-    let mut apart: Vec<f64> = setup
-        .declared
-        .iter()
-        .zip(&fitted.hypothesis.declared)
-        .map(|(d, value)| (value - d.prior) / d.deviation)
-        .collect();
-    let added = fitted.hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
-    let scales: Vec<f64> = setup.declared.iter().map(|d| d.deviation).chain(added.map(|n| n.scale)).collect();
-    let mut columns = parallel::indices(slopes.count(), |k| {
-        let mut column = gather(&|r| slopes.answer(&fitted.hypothesis, r, k));
-        column.iter_mut().for_each(|x| *x *= scales[k]);
-        column
-    });
-    apart.resize(columns.len(), f64::NAN);
-    // Initial temperatures, run by run.
-    let ambient = setup.experiment.inputs.iter().position(|c| c.is_temperature());
-    if let Some(ambient) = ambient {
-        for own in 0..runs.len() {
-            let noise = setup.noise[ambient];
-            let column = gather(&|r| {
-                let direction = slopes.further(r, further)[before_inputs + ambient].as_ref()?;
-                let first = |row: usize| if row == 0 { noise } else { 0.0 };
-                (r == own).then(|| slopes.tangents[r].response(direction, first))
-            });
-            columns.push(column);
-            apart.push(0.0);
-        }
-    }
-    let clock = |r: usize| &setup.drives[runs[r]].time;
-    let (from, to) = (0..runs.len()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), r| {
-        let t = clock(r);
-        (a.min(t[0]), b.max(t[t.len() - 1]))
-    });
-    let count = (((to - from) / KNOT).ceil() as usize).clamp(1, MOST_KNOTS) + 1;
-    let points: Vec<f64> = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect();
-    // Zero offsets of sensors of outputs and inputs; those of thermometers at the motor differ from run to run.
-    let m = setup.outputs();
-    let inputs = setup.experiment.inputs.len();
-    let all = || setup.experiment.inputs.iter().chain(&setup.experiment.outputs).enumerate();
-    for (channel, _) in all().filter(|(k, c)| setup.noise[*k] > 0.0 && (!c.is_temperature() || *k >= inputs))
-    {
-        let size = CALIBRATED * setup.noise[channel];
-        let moves = channel >= inputs && setup.experiment.outputs[channel - inputs].is_temperature();
-        for own in if moves { (0..runs.len()).map(Some).collect() } else { vec![None] } {
-            let column = gather(&|r| {
-                if channel < inputs {
-                    let direction = slopes.further(r, further)[before_inputs + channel].as_ref()?;
-                    return Some(slopes.tangents[r].response(direction, |_| size));
-                }
-                own.is_none_or(|own| own == r).then(|| {
-                    let mut values = vec![0.0; clock(r).len() * m];
-                    values.iter_mut().skip(channel - inputs).step_by(m).for_each(|v| *v = size);
-                    values
-                })
-            });
-            columns.push(column);
-            apart.push(0.0);
-        }
-    }
-    // Input noise stored in heat capacities: white noise, combined between knots.
-    for input in &setup.remembered {
-        for (k, point) in points.iter().enumerate() {
-            let column = gather(&|r| {
-                let direction = slopes.further(r, further)[before_inputs + input].as_ref()?;
-                let time = clock(r);
-                let row = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
-                let apart = (to - from) / (count - 1) as f64;
-                let size = setup.noise[*input] * (row / apart.max(row)).sqrt();
-                let reached = time[0] < point + apart && time[time.len() - 1] > point - apart;
-                reached
-                    .then(|| slopes.tangents[r].response(direction, |row| size * hat(&points, k, time[row])))
-            });
-            if column.iter().any(|x| *x != 0.0) {
-                columns.push(column);
-                apart.push(0.0);
-            }
-        }
-    }
-    let known = columns.len();
-    // Responses to drifting sensors of the outputs and of the ambient temperature: thermometers are of the same kind and have the same
-    // drift, up to the noise of the noisiest one.
-    let thermometers = all().filter(|(k, c)| c.is_temperature() && *k >= inputs).map(|(k, _)| setup.noise[k]);
-    let loudest = thermometers.fold(0.0, f64::max);
-    let mut knots = Vec::new();
-    let drifts = |k: usize, c: &Channel| setup.noise[k] > 0.0 && (k >= inputs || c.is_temperature());
-    for (sensor, channel) in all().filter(|(k, c)| drifts(*k, c)) {
-        let size = if channel.is_temperature() { loudest } else { setup.noise[sensor] };
-        for (k, point) in points.iter().enumerate() {
-            let column = gather(&|r| {
-                let time = clock(r);
-                if sensor < inputs {
-                    let direction = slopes.further(r, further)[before_inputs + sensor].as_ref()?;
-                    return Some(
-                        slopes.tangents[r].response(direction, |row| size * hat(&points, k, time[row])),
-                    );
-                }
-                let mut values = vec![0.0; time.len() * m];
-                for (row, t) in time.iter().enumerate() {
-                    values[row * m + sensor - inputs] = size * hat(&points, k, *t);
-                }
-                Some(values)
-            });
-            if column.iter().any(|x| *x != 0.0) {
-                columns.push(column);
-                knots.push((*point, sensor));
-            }
-        }
-    }
-    let matrix = |columns: &[Vec<f64>]| {
-        DMatrix::from_iterator(blocks, columns.len(), columns.iter().flatten().copied())
-    };
-    let (slopes, drift) = (matrix(&columns[..known]), matrix(&columns[known..]));
-    // Neighbours in time of one output in one run.
-    let mut series: Vec<Series> = Vec::new();
-    let mut last = None;
-    for (k, (run, block)) in
-        runs.iter().flat_map(|r| setup.blocks[*r].iter().map(move |b| (r, b))).enumerate()
-    {
-        match series.last_mut().filter(|_| last == Some((run, block.output))) {
-            Some(own) => own.values.end = k + 1,
-            None => series.push(Series { output: block.output, values: k..k + 1 }),
-        }
-        last = Some((run, block.output));
-    }
-    let mut prior = Prior::new(&apart);
-    for (place, values, precision) in fitted.hypothesis.priors() {
-        prior.table(place, &values, precision, &scales[place..]);
-    }
-    Evidence::new(DVector::from_vec(residual), &slopes, prior, &drift, &knots, series)
-        .ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))
-}

@@ -13,16 +13,16 @@ mod preference;
 
 use crate::CalibrateError;
 use crate::hypothesis::{Addition, Hypothesis};
-use crate::levels::{DECISIVE, NEARLY, STRUCTURE};
+use crate::levels::{DECISIVE, NEARLY, SAMPLES, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
 use crate::parallel;
 use crate::search::{Scored, choice};
-use crate::setup::Setup;
+use crate::setup::{BLOCKS, Setup};
 pub use companion::companion;
 use gate::{Judged, gate};
-pub use gate::{acting, asked, predicts_where_it_acts};
-use preference::{best_predicting, is_part, listed_instead, order_by_likelihood};
+pub use gate::{asked, predicts_where_it_acts};
+use preference::{best_predicting, is_part, law_elsewhere, listed_instead, order_by_likelihood};
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
 /// 3.2.
@@ -30,6 +30,12 @@ pub const LEAST: f64 = 10.0;
 /// Costs that differ by less cannot be distinguished; a lower validation cost must differ by as much: strong evidence. Source: as for
 /// [`LEAST`].
 pub const NEAR: f64 = 6.0;
+/// Weight of the evidence of a block in posterior probabilities. Source: Gruenwald, van Ommen, Bayesian Analysis 12 (2017) 1069-1103, a power of
+/// the likelihood of a model that is not exact; here the independent readings for each block.
+const TEMPER: f64 = SAMPLES / BLOCKS as f64;
+/// Difference of the cost within which two explanations cannot be told apart. Derivation: [`NEAR`] for a likelihood to the power
+/// [`TEMPER`].
+const ALIKE: f64 = NEAR / TEMPER;
 /// Numbers of candidates with distinct names: effects of the list, power laws, shapes, laws with a lag, shapes over two drivers. Numerical: a limit of effort; the
 /// others explain less to first order.
 const CANDIDATES: [usize; 5] = [6, 2, 2, 2, 2];
@@ -202,12 +208,12 @@ impl<'a> Round<'a> {
 }
 
 /// Posterior probability of a model by its reduction of the cost, among models with these reductions that are equally probable before:
-/// exp(-cost / 2) approximates the marginal likelihood.
+/// exp(-cost / 2) approximates the marginal likelihood, here to the power [`TEMPER`].
 ///
 /// *Source*: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec. 4.1.3.
 pub fn shares(deltas: &[f64]) -> impl Fn(f64) -> f64 + use<> {
     let most = deltas.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let weight = move |delta: f64| (0.5 * (delta - most)).exp();
+    let weight = move |delta: f64| (0.5 * TEMPER * (delta - most)).exp();
     let sum: f64 = deltas.iter().map(|delta| weight(*delta)).sum();
     move |delta| weight(delta) / sum
 }
@@ -262,7 +268,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     order_by_likelihood(&candidates, &mut order, near);
     for k in order {
         // A candidate that explains far less than an accepted one is not tested.
-        if taken.is_some_and(|t: usize| candidates[t].sure() - candidates[k].sure() > NEAR) {
+        if taken.is_some_and(|t: usize| candidates[t].sure() - candidates[k].sure() > ALIKE) {
             continue;
         }
         if taken.is_some() && !candidates[k].addition().is_listed() {
@@ -280,6 +286,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
             _ => {}
         }
     }
+    taken = taken.map(|t| law_elsewhere(point, &mut candidates, t).unwrap_or(t));
     if taken.is_some_and(|t| !candidates[t].addition().is_listed()) {
         alike.clear();
     }
@@ -374,8 +381,8 @@ fn fitted<'a>(
         + if addition.is_listed() { 0.0 } else { choice(addition.port, addition.follows) };
     let of_runs =
         if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
-    let (before, after) = (point.evidence.cost(), larger.evidence.cost());
-    let delta = (before.0 - after.0 - cost - of_runs, before.1 - after.1 - cost - of_runs);
+    let (white, raw) = larger.explains(point);
+    let delta = (white - cost - of_runs, raw - cost - of_runs);
     Ok(Candidate {
         name: scored.name.clone(),
         point: larger,
@@ -444,7 +451,8 @@ mod tests {
         assert!(!repeats(&beside, &repeated));
     }
 
-    /// Probabilities of the candidates of a round and of the model without any add up to 1; a difference of 2 ln 2 in BIC doubles them.
+    /// Probabilities of the candidates of a round and of the model without any add up to 1; a difference of 2 ln 2 in the tempered BIC doubles
+    /// them.
     #[test]
     fn probabilities_of_a_round_add_up() {
         let failed = |delta: f64| (scored("windage", None, delta), CalibrateError(String::new()));
@@ -455,7 +463,7 @@ mod tests {
             alike: Vec::new(),
             failed: deltas.iter().map(|delta| failed(*delta)).collect(),
         };
-        let deltas = [2.0 * 4f64.ln(), 2.0 * 2f64.ln(), -5000.0];
+        let deltas = [2.0 * 4f64.ln() / TEMPER, 2.0 * 2f64.ln() / TEMPER, -50000.0];
         let all = round(&deltas);
         let shares: Vec<f64> = deltas.iter().map(|delta| all.probability(*delta)).collect();
         assert!((shares[0] - 4.0 / 7.0).abs() < 1e-12 && (shares[1] - 2.0 / 7.0).abs() < 1e-12, "{shares:?}");

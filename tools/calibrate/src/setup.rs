@@ -24,7 +24,7 @@ const HARDLY: f64 = 5.0;
 const FAR: f64 = 10.0;
 /// Blocks of a run, for each output: residuals are averaged over this number of sections of a run. Numerical: a run comprises some tens
 /// of time constants; twice as many change the penalty ln n by 0.7.
-const BLOCKS: usize = 400;
+pub const BLOCKS: usize = 400;
 /// A parameter further than this from its prior, in standard deviations, compensates for another effect. Derivation: 95 % quantile of
 /// the greatest of four deviations (Sidak, J. Am. Stat. Assoc. 62 (1967) 626-633).
 const ASTRAY: f64 = 2.5;

@@ -160,11 +160,9 @@ impl<'a> Search<'a> {
             self.setup.fit(others.clone(), &runs)?
         };
         let without = Linearization::judged(self.setup, refit, &runs)?;
-        let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
-        let whole = self.rounds.last().map_or(f64::INFINITY, cost);
         // If the others explain the residual without it, the first choice was a substitute for them: it would not be added to them.
-        let (before, after) = (without.evidence.cost(), self.point().evidence.cost());
-        let fall = (before.0 - after.0).min(before.1 - after.1);
+        let (white, raw) = self.point().explains(&without);
+        let fall = white.min(raw);
         if self.rounds.len() > 1 && fall < asked(&without, self.point()) {
             self.rounds.remove(0);
             if let Some(last) = self.rounds.pop() {
@@ -174,7 +172,8 @@ impl<'a> Search<'a> {
         }
         let stripped = Linearization::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
         let round = compete(&without, &others, &search(&stripped));
-        if let Some(winner) = round.winner().filter(|_| cost(&round) < whole + LEAST) {
+        let is_as_good = |c: &&Candidate| self.point().explains(&c.point).0 < LEAST;
+        if let Some(winner) = round.winner().filter(is_as_good) {
             let same = (&winner.addition().id, winner.addition().port) == (&own.id, own.port);
             self.rounds.remove(0);
             self.rounds.push(round);
@@ -200,18 +199,18 @@ impl<'a> Search<'a> {
             a.is_listed() && additions.iter().filter(|b| b.is_listed() && place(b) == place(a)).count() > 1
         };
         let Some(at) = additions.iter().find(twice).map(place) else { return Ok(()) };
-        let cost = point.evidence.cost().0;
         let mut others = point.fitted.hypothesis.clone();
         others.additions.retain(|a| place(a) != at);
         let runs = self.first.runs.clone();
         let refit = self.setup.fit(others.clone(), &runs)?;
-        let without = Linearization::new(self.setup, refit, &runs)?;
+        let scored = search(&Linearization::new(self.setup, refit.clone(), &runs)?);
+        let without = Linearization::judged(self.setup, refit, &runs)?;
         let is_power = |s: &&Scored| {
             s.addition.as_ref().is_some_and(|a| place(a) == at && !a.is_listed() && !a.is_table())
         };
-        let powers: Vec<Scored> = search(&without).iter().filter(is_power).cloned().collect();
+        let powers: Vec<Scored> = scored.iter().filter(is_power).cloned().collect();
         let round = compete(&without, &others, &powers);
-        if round.winner().is_some_and(|c| c.point.evidence.cost().0 < cost + NEAR) {
+        if round.winner().is_some_and(|c| point.explains(&c.point).0 < NEAR) {
             self.rounds.retain(|round| round.winner().is_some_and(|c| place(c.addition()) != at));
             self.rounds.push(round);
         }

@@ -3,10 +3,10 @@
 use super::preference::is_sensor;
 use super::{AHEAD, Candidate, LEAST, NEAR};
 use crate::CalibrateError;
+use crate::acting::acting;
 use crate::deadline::Deadline;
 use crate::experiment::Role;
 use crate::fit::Fitted;
-use crate::hypothesis::Hypothesis;
 use crate::intake::mean_square;
 use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, PART, STRUCTURE};
 use crate::linearization::Linearization;
@@ -23,7 +23,7 @@ pub struct Judged {
     pub validation: Option<f64>,
     /// Reason for rejection.
     pub refused: Option<String>,
-    /// Whether the only reason is a validation error that is lower by less than structure error.
+    /// Whether the only reason is that what was not fitted is predicted better by less than is asked for.
     pub is_hardly_better: bool,
 }
 
@@ -57,24 +57,28 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     let foretold = validation(before, candidate)?;
     let validation = foretold.map(|f| (f.with / f.without).sqrt());
     let of_run = unlike(candidate);
-    let of_all = validation.filter(|ratio| *ratio >= 1.0 - STRUCTURE).map(|ratio| {
-        let how = if ratio < 1.0 { "hardly predicted better" } else { "predicted worse" };
-        format!("what was not fitted is {how}: {ratio:.3} times the error without it")
+    let of_density = foretold.and_then(|f| f.density).filter(|gain| *gain < NEAR).map(|gain| {
+        format!("the validation runs are hardly predicted better: -2 ln p falls by {gain:.1}; {NEAR} is asked for")
     });
-    let of_readings = foretold.map(|f| f.fall).filter(|fall| *fall < NEAR).map(|fall| {
-        format!(
-            "what was not fitted is hardly predicted better: chi square falls by {fall:.1}; {NEAR} is asked for"
-        )
+    // Held-out parts have no null model of their own.
+    let of_parts = foretold.filter(|f| f.density.is_none()).and_then(|f| {
+        let ratio = (f.with / f.without).sqrt();
+        let how = if ratio < 1.0 { "hardly predicted better" } else { "predicted worse" };
+        (ratio >= 1.0 - STRUCTURE || f.fall < NEAR).then(|| {
+            format!(
+                "what was not fitted is {how}: {ratio:.3} times the error without it, chi square falls by {:.1}; {NEAR} is asked for",
+                f.fall
+            )
+        })
     });
     let of_output = foretold.and_then(|f| f.worse).map(|(output, ratio)| {
         let channel = before.setup.experiment.outputs[output].column;
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
-    let others = [&of_run, &of_readings, &of_output];
-    let is_hardly_better = of_all.is_some()
-        && validation.is_some_and(|ratio| ratio < 1.0)
-        && others.into_iter().all(Option::is_none);
-    let refused = of_run.or(of_all).or(of_readings).or(of_output);
+    let is_better = foretold.is_some_and(|f| f.density.map_or(f.with < f.without, |gain| gain > 0.0));
+    let is_hardly_better =
+        is_better && (of_density.is_some() || of_parts.is_some()) && of_run.is_none() && of_output.is_none();
+    let refused = of_run.or(of_density).or(of_parts).or(of_output);
     Ok(Judged { validation, refused, is_hardly_better })
 }
 
@@ -149,6 +153,8 @@ struct Validated {
     /// Fall of the sum, each output divided by its variance inflation (Burnham, Anderson, Model Selection and Multimodel Inference, 2nd
     /// ed., 2002, sec. 2.5): as many independent readings count as the memory of the noise leaves.
     fall: f64,
+    /// Decrease of -2 ln p of the validation runs; `None` for held-out parts of fit runs.
+    density: Option<f64>,
     /// The output that is predicted worst with it, and the ratio of its error to that without it, if structure error can hardly cause it.
     worse: Option<(usize, f64)>,
 }
@@ -160,7 +166,8 @@ impl Validated {
         let fall = |k: usize| (without[k] - with[k]) / candidate.point.evidence.inflation(k);
         let falls: Vec<f64> = (0..with.len()).map(fall).collect();
         let worse = worst(&with, &without, &falls);
-        Validated { with: with.iter().sum(), without: without.iter().sum(), fall: falls.iter().sum(), worse }
+        let [with, without, fall] = [with, without, falls].map(|parts| parts.iter().sum());
+        Validated { with, without, fall, density: None, worse }
     }
 }
 
@@ -189,7 +196,11 @@ fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Va
         let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
         let shown = judge.show(&with, &runs)?;
         if !partly || active {
-            return Ok(Some(Validated::new(setup, &runs, [&shown, &without], candidate)));
+            let density = candidate.point.foretells(before);
+            return Ok(Some(Validated {
+                density,
+                ..Validated::new(setup, &runs, [&shown, &without], candidate)
+            }));
         }
     }
     let mut part = setup.clone();
@@ -226,32 +237,6 @@ pub fn predicts_where_it_acts(before: &Linearization, candidate: &Candidate) -> 
     let ratio = |k: usize| if without[k] > 0.0 { with[k] / without[k] } else { 1.0 };
     let foretold: f64 = explained.iter().enumerate().map(|(k, own)| own / whole * ratio(k)).sum();
     Ok(foretold < (1.0 - STRUCTURE).powi(2))
-}
-
-/// Decides for each of these runs whether an effect limited to some runs acts in it, by the smaller prediction error.
-///
-/// # Errors
-/// The message of the model if it cannot be run.
-pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<(), CalibrateError> {
-    for a in 0..hypothesis.additions.len() {
-        if setup.runs(Role::Fit).iter().all(|r| hypothesis.additions[a].active[*r]) {
-            continue;
-        }
-        for run in runs {
-            let on = if let Some(same) = setup.fitted_with(*run) {
-                hypothesis.additions[a].active[same]
-            } else {
-                let mut error = |on: bool| -> Result<f64, CalibrateError> {
-                    hypothesis.additions[a].active[*run] = on;
-                    let shown: Vec<Shown> = setup.show(hypothesis, &[*run])?;
-                    Ok(setup.chi_square(&[*run], &shown).0)
-                };
-                error(true)? < error(false)?
-            };
-            hypothesis.additions[a].active[*run] = on;
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Preferences between candidates that explain about the same: which of them is tested first, and which is accepted.
 
-use super::{AHEAD, Candidate};
+use super::{AHEAD, ALIKE, Candidate};
 use crate::hypothesis::Addition;
 use crate::levels::{NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
@@ -163,6 +163,27 @@ pub fn listed_instead(
         let predicts = c.validation.is_some_and(|own| own < foretold * (1.0 + STRUCTURE));
         is_equal && predicts && (c.is_hardly_better || c.refused.is_none())
     })
+}
+
+/// A law at another port over another driver that cannot be told apart from a listed effect, and is not less probable by itself: the weaker
+/// statement is made.
+pub fn law_elsewhere(point: &Linearization, candidates: &mut [Candidate], k: usize) -> Option<usize> {
+    let own = &candidates[k];
+    let (port, follows, sure) = (own.addition().port, own.addition().follows, own.sure());
+    if !own.addition().is_listed() {
+        return None;
+    }
+    let is_rival = |c: &Candidate| {
+        let addition = c.addition();
+        !addition.is_listed()
+            && addition.port != port
+            && addition.follows != follows
+            && oddity(addition) == 0
+            && c.refused.is_none()
+            && c.sure() > sure - ALIKE
+    };
+    let law = candidates.iter().position(is_rival)?;
+    candidates[law].judge(point).then_some(law)
 }
 
 /// A listed effect is preferred to a law that explains little more, and a law of one driver to one of two, unless the other law, at the same
