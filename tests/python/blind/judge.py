@@ -98,18 +98,14 @@ class Judged:
 
 
 def said_in(report: dict) -> Said:
-    """A class is an effect with its alternatives, or else all effects of a report with that verdict."""
+    """A class is an effect with its alternatives, also beside a law; or else all effects of a report with that verdict."""
     verdict, effects = report["verdict"], [e for e in report.get("effects") or [] if e["id"] != GENERIC]
     if verdict not in VERDICTS:
         raise ValueError(f"the verdict {verdict!r} is none of {', '.join(VERDICTS)}")
-    names, classes = [], []
-    if verdict == "class":
-        classes = [{e["id"], *e["alternatives"]} for e in effects if e.get("alternatives")]
-        names = [e["id"] for e in effects if not e.get("alternatives")] if classes else []
-        if not classes and effects:
-            classes = [{e["id"] for e in effects}]
-    elif verdict in ("named", "unexplained"):
-        names = [e["id"] for e in effects]
+    classes = [{e["id"], *e["alternatives"]} for e in effects if e.get("alternatives")]
+    names = [e["id"] for e in effects if not e.get("alternatives")]
+    if verdict == "class" and effects and not classes:
+        names, classes = [], [{e["id"] for e in effects}]
     rest, unusable = report.get("unexplained"), report.get("unusable") or {}
     law = None
     if verdict == "unexplained" and rest:

@@ -1,6 +1,8 @@
 //! Fitted model linearised along its runs, with its residual: the base point of a search for further effects.
 
 mod null_model;
+#[cfg(test)]
+mod tests;
 
 use crate::CalibrateError;
 use crate::acting::acting;

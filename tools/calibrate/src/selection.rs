@@ -13,16 +13,16 @@ mod preference;
 
 use crate::CalibrateError;
 use crate::hypothesis::{Addition, Hypothesis};
-use crate::levels::{DECISIVE, NEARLY, SAMPLES, STRUCTURE};
+use crate::levels::{DECISIVE, NEARLY, SAMPLES};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
 use crate::parallel;
 use crate::search::{Scored, choice};
 use crate::setup::{BLOCKS, Setup};
 pub use companion::companion;
-use gate::{Judged, gate};
+use gate::{Judged, gate, implausible};
 pub use gate::{asked, predicts_where_it_acts};
-use preference::{best_predicting, is_part, law_elsewhere, listed_instead, order_by_likelihood};
+use preference::{is_part, law_elsewhere, listed_instead, order_by_likelihood};
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
 /// 3.2.
@@ -181,12 +181,12 @@ impl<'a> Round<'a> {
         });
         let candidates = self.candidates.iter().enumerate().map(|(k, c)| {
             let reason = match (&c.refused, &best) {
+                (_, Some(best)) if self.alike.contains(&k) => {
+                    format!("explains as much as {best}: this data cannot tell them apart")
+                }
                 (Some(refused), _) => refused.clone(),
                 (None, _) if self.taken == Some(k) => {
                     self.excuse.unwrap_or("explains most of all, and passes the gate").to_string()
-                }
-                (None, Some(best)) if self.alike.contains(&k) => {
-                    format!("explains as much as {best}: this data cannot tell them apart")
                 }
                 (None, Some(best)) => format!("explains less than {best}"),
                 (None, None) => "is not the best".to_string(),
@@ -247,14 +247,13 @@ fn release(candidates: &mut [Candidate], kept: &[Option<usize>]) {
 pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
     let Round { mut candidates, failed, .. } = candidates(point, start, scored);
     let mut taken = None;
-    let mut alike = Vec::new();
     // A listed effect is preferred to a shape that explains little more, and a law of one driver to one of two or with an additional state.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
     let first = order.first().map(|k| &candidates[*k]);
     let best = first.map_or(0.0, Candidate::sure);
     let is_simple = |c: &Candidate| matches!(c.addition().follows, Follows::Nothing | Follows::Driver(_));
     let is_best_simple = first.is_none_or(is_simple);
-    let near = LEAST.max(best * STRUCTURE);
+    let near = ALIKE;
     // A second driver is a further addition: it has to explain as much as one, and not only what is left by nearly the same law.
     let is_whole = |c: &Candidate, whole: &Candidate| {
         is_part(c.addition(), whole.addition())
@@ -267,32 +266,34 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     order.sort_by_key(|k| !stands(&candidates[*k]));
     order_by_likelihood(&candidates, &mut order, near);
     for k in order {
-        // A candidate that explains far less than an accepted one is not tested.
-        if taken.is_some_and(|t: usize| candidates[t].sure() - candidates[k].sure() > ALIKE) {
-            continue;
-        }
-        if taken.is_some() && !candidates[k].addition().is_listed() {
-            continue;
-        }
-        match (candidates[k].judge(point), taken) {
-            (true, None) => {
-                let listed = listed_instead(point, &mut candidates, k, near);
-                if let Some(other) = listed {
-                    candidates[other].refused = None;
-                }
-                taken = Some(listed.unwrap_or_else(|| best_predicting(point, &mut candidates, k, near)));
+        if candidates[k].judge(point) {
+            let listed = listed_instead(point, &mut candidates, k, near);
+            if let Some(other) = listed {
+                candidates[other].refused = None;
             }
-            (true, Some(_)) if candidates[k].addition().is_listed() => alike.push(k),
-            _ => {}
+            taken = Some(listed.unwrap_or(k));
+            break;
         }
     }
     taken = taken.map(|t| law_elsewhere(point, &mut candidates, t).unwrap_or(t));
-    if taken.is_some_and(|t| !candidates[t].addition().is_listed()) {
-        alike.clear();
-    }
+    let alike = taken.map_or_else(Vec::new, |t| self::alike(point, &candidates, t));
     let first = candidates.iter().position(|c| at_limit(c.addition()).is_none());
     release(&mut candidates, &[taken, first]);
     Round { candidates, taken, excuse: None, alike, failed }
+}
+
+/// Listed effects that the data cannot tell apart from an accepted listed effect, also if they alone would not be accepted.
+fn alike(point: &Linearization, candidates: &[Candidate], taken: usize) -> Vec<usize> {
+    let own = &candidates[taken];
+    let is_rival = |k: &usize| {
+        let other = &candidates[*k];
+        *k != taken
+            && other.addition().is_listed()
+            && other.sure() > own.sure() - ALIKE
+            && implausible(point, other).is_none()
+    };
+    let all = if own.addition().is_listed() { candidates.len() } else { 0 };
+    (0..all).filter(is_rival).collect()
 }
 
 /// Whether a law of the hypothesis is over the same driver at the same port: a second table only moves the values of the first, and neither is

@@ -9,6 +9,7 @@ use super::laws::{alike, coefficient, exponent, is_known, knots, number, scale, 
 use super::{Scored, choice, scored};
 use crate::evidence::Gain;
 use crate::hypothesis::{Axis, Number, Shape, followed, hat, power};
+use crate::levels::NEARLY;
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::parallel;
@@ -83,7 +84,16 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
             [powers(point, *port, best, &taus, per_number), table(point, *port, best, &taus, per_number)];
         Some(laws.into_iter().flatten())
     };
-    parallel::flat_map(&places, find).into_iter().flatten().collect()
+    let mut found: Vec<Scored> = parallel::flat_map(&places, find).into_iter().flatten().collect();
+    let measured: Vec<(Port, f64)> = found.iter().filter(|s| !is_of_heat(s)).map(|s| (s.port, s.sure())).collect();
+    // The model computes a heat flow from measured drivers: it has to explain more than they do.
+    let as_well = |s: &Scored| measured.iter().any(|(port, sure)| *port == s.port && *sure > NEARLY * s.sure());
+    found.retain(|s| !is_of_heat(s) || !as_well(s));
+    found
+}
+
+fn is_of_heat(scored: &Scored) -> bool {
+    scored.follows.drivers().any(Driver::is_heat)
 }
 
 fn best<T>(gains: impl Iterator<Item = (T, Option<Gain>)>) -> Option<(T, Gain)> {

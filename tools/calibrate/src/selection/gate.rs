@@ -1,7 +1,7 @@
 //! Acceptance tests of a candidate: evidence, physical sign and size, the same size in every run, validation error.
 
 use super::preference::is_sensor;
-use super::{AHEAD, Candidate, LEAST, NEAR};
+use super::{AHEAD, Candidate, LEAST, NEAR, at_limit};
 use crate::CalibrateError;
 use crate::acting::acting;
 use crate::deadline::Deadline;
@@ -44,19 +44,11 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
         );
         return Ok(Judged::refused(sentence));
     }
-    let addition = candidate.addition();
-    if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
-        return Ok(Judged::refused(format!("{} would have to be negative", addition.numbers[0].symbol)));
-    }
-    if let Some(sentence) = to_a_limit(before, candidate) {
-        return Ok(Judged::refused(sentence));
-    }
-    if let Some(sentence) = within_calibration(candidate) {
+    if let Some(sentence) = implausible(before, candidate) {
         return Ok(Judged::refused(sentence));
     }
     let foretold = validation(before, candidate)?;
     let validation = foretold.map(|f| (f.with / f.without).sqrt());
-    let of_run = unlike(candidate);
     let of_density = foretold.and_then(|f| f.density).filter(|gain| *gain < NEAR).map(|gain| {
         format!("the validation runs are hardly predicted better: -2 ln p falls by {gain:.1}; {NEAR} is asked for")
     });
@@ -76,10 +68,21 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
     let is_better = foretold.is_some_and(|f| f.density.map_or(f.with < f.without, |gain| gain > 0.0));
-    let is_hardly_better =
-        is_better && (of_density.is_some() || of_parts.is_some()) && of_run.is_none() && of_output.is_none();
-    let refused = of_run.or(of_density).or(of_parts).or(of_output);
+    let is_hardly_better = is_better && (of_density.is_some() || of_parts.is_some()) && of_output.is_none();
+    let refused = of_density.or(of_parts).or(of_output);
     Ok(Judged { validation, refused, is_hardly_better })
+}
+
+/// Reason why a candidate is no physical explanation of the fit runs, whatever it predicts.
+pub fn implausible(before: &Linearization, candidate: &Candidate) -> Option<String> {
+    let addition = candidate.addition();
+    if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
+        return Some(format!("{} would have to be negative", addition.numbers[0].symbol));
+    }
+    at_limit(addition)
+        .or_else(|| to_a_limit(before, candidate))
+        .or_else(|| within_calibration(candidate))
+        .or_else(|| unlike(candidate))
 }
 
 /// Decrease of the cost that is asked for an addition, from the model without it to the model with it.
