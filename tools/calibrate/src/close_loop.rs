@@ -448,6 +448,7 @@ impl<'a> Search<'a> {
             separating_experiment: separating,
             delta_bic: candidate.delta.1,
             delta_bic_whitened: candidate.delta.0,
+            delta_validation: candidate.foretold,
             validation_ratio: candidate.validation,
             magnitude: estimates::magnitude(&candidate.point),
         })

@@ -71,10 +71,13 @@ pub struct Found {
     pub term: Option<GenericTerm>,
     /// Further run that would distinguish it from its alternatives, with the predictions of each.
     pub separating_experiment: Option<String>,
-    /// Reduction of BIC by it, for white noise.
+    /// Reduction of BIC by it over fit and validation runs, for white noise.
     pub delta_bic: f64,
-    /// Reduction of BIC by it, allowing for autocorrelated noise.
+    /// Reduction of BIC by it over fit and validation runs, allowing for autocorrelated noise.
     pub delta_bic_whitened: f64,
+    /// The part of `delta_bic_whitened` beyond the fit runs: by how much -2 ln p of the validation runs falls. `None` without validation
+    /// runs.
+    pub delta_validation: Option<f64>,
     /// Ratio of validation error with it to validation error without it; `None` without validation runs.
     pub validation_ratio: Option<f64>,
     /// Greatest power (or quantity of the port) that it contributes in the runs, with unit, and the range of its driver.
@@ -144,10 +147,13 @@ pub struct Evidence {
     pub name: String,
     /// Port at which it acts.
     pub port: Port,
-    /// Reduction of BIC by it, for white noise.
+    /// Reduction of BIC by it over fit and validation runs, for white noise.
     pub delta_bic: f64,
-    /// Reduction of BIC by it, allowing for autocorrelated noise.
+    /// Reduction of BIC by it over fit and validation runs, allowing for autocorrelated noise.
     pub delta_bic_whitened: f64,
+    /// The part of `delta_bic_whitened` beyond the fit runs: by how much -2 ln p of the validation runs falls. `None` without validation
+    /// runs.
+    pub delta_validation: Option<f64>,
     /// Posterior probability of it among the candidates of its round and the model without any, 0 to 1.
     pub probability: f64,
     /// Ratio of validation error with it to validation error without it.

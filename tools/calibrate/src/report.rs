@@ -177,6 +177,7 @@ struct Effect<'a> {
 struct Support {
     delta_bic: f64,
     delta_bic_whitened: f64,
+    delta_validation: Option<f64>,
     validation_rmse_ratio: Option<f64>,
 }
 
@@ -242,6 +243,7 @@ struct CandidateRow<'a> {
     port: &'static str,
     delta_bic: f64,
     delta_bic_whitened: f64,
+    delta_validation: Option<f64>,
     probability: f64,
     validation_rmse_ratio: Option<f64>,
     accepted: bool,
@@ -398,6 +400,7 @@ fn effect(found: &Found) -> Effect<'_> {
         evidence: Support {
             delta_bic: found.delta_bic,
             delta_bic_whitened: found.delta_bic_whitened,
+            delta_validation: found.delta_validation,
             validation_rmse_ratio: found.validation_ratio,
         },
     }
@@ -439,6 +442,7 @@ fn candidate_row(evidence: &outcome::Evidence) -> CandidateRow<'_> {
         port: evidence.port.name(),
         delta_bic: evidence.delta_bic,
         delta_bic_whitened: evidence.delta_bic_whitened,
+        delta_validation: evidence.delta_validation,
         probability: evidence.probability,
         validation_rmse_ratio: evidence.validation_ratio,
         accepted: evidence.accepted,

@@ -3,9 +3,10 @@
 //!
 //! cost = -2 log p + ln n for each parameter, n the number of blocks (Schwarz, Annals of Statistics 6 (1978) 461-464)     (1)
 //!
+//! p is that of the fit runs and the validation runs; parameters are fitted to the fit runs alone.
 //! The acceptance tests, in this order: (1) decreases by more than 100, or than 10 if an effect is larger than structure error, both for
-//! white and for autocorrelated noise; sign and size are physical and no parameter reaches a limit; all runs agree on the size; the validation
-//! error decreases by more than structure error. With the cost alone, effects would be found on every bench with drifting thermocouples.
+//! white and for autocorrelated noise; sign and size are physical and no parameter reaches a limit; all runs agree on the size; -2 log p of the
+//! validation runs given the fit runs decreases. With the cost alone, effects would be found on every bench with drifting thermocouples.
 
 mod companion;
 mod gate;
@@ -46,9 +47,6 @@ const FURTHER: [usize; 5] = [3, 1, 1, 1, 1];
 const STORED: f64 = 0.2;
 /// Fraction of the best evidence below which a candidate is fitted only if it is the best of its kind. Numerical: a limit of effort.
 const BEHIND: f64 = 0.3;
-/// A law predicts far better if its validation error is below this fraction of that of the listed effect. Derivation: half of the mean
-/// square; the law then accounts for more of it than it leaves.
-const AHEAD: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Fitted candidate.
 pub struct Candidate<'a> {
@@ -58,6 +56,8 @@ pub struct Candidate<'a> {
     pub point: Linearization<'a>,
     /// Reduction of (1) for autocorrelated noise, and for white noise.
     pub delta: (f64, f64),
+    /// The part of the first beyond the fit runs; `None` without validation runs.
+    pub foretold: Option<f64>,
     /// Ratio of validation error with it to validation error without it; `None` without validation data.
     pub validation: Option<f64>,
     /// Reason for rejection, in one sentence.
@@ -174,6 +174,7 @@ impl<'a> Round<'a> {
             port: scored.port,
             delta_bic: scored.raw,
             delta_bic_whitened: scored.evidence,
+            delta_validation: None,
             probability: self.probability(scored.evidence),
             validation_ratio: None,
             accepted: false,
@@ -197,6 +198,7 @@ impl<'a> Round<'a> {
                 port: c.addition().port,
                 delta_bic: c.delta.1,
                 delta_bic_whitened: c.delta.0,
+                delta_validation: c.foretold,
                 probability: self.probability(c.delta.0),
                 validation_ratio: c.validation,
                 accepted: self.taken == Some(k),
@@ -386,6 +388,7 @@ fn fitted<'a>(
     let delta = (white - cost - of_runs, raw - cost - of_runs);
     Ok(Candidate {
         name: scored.name.clone(),
+        foretold: larger.foretells(point),
         point: larger,
         delta,
         validation: None,

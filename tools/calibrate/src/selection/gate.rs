@@ -1,7 +1,7 @@
 //! Acceptance tests of a candidate: evidence, physical sign and size, the same size in every run, validation error.
 
 use super::preference::is_sensor;
-use super::{AHEAD, Candidate, LEAST, NEAR, at_limit};
+use super::{Candidate, LEAST, NEAR, at_limit};
 use crate::CalibrateError;
 use crate::acting::acting;
 use crate::deadline::Deadline;
@@ -15,6 +15,10 @@ use crate::setup::{Setup, Shown};
 /// Fraction of a run that is held out if the effect acts in no validation run. Source: Hastie, Tibshirani, Friedman, The Elements of
 /// Statistical Learning (2nd ed., 2009), sec. 7.2: typically a quarter for validation.
 const HELD_OUT: f64 = 0.25;
+
+/// Ratio of two mean square errors below which a candidate is larger than structure error can be. Derivation: it then accounts for more of an output's
+/// error than it leaves.
+const LARGE: f64 = 0.5;
 
 /// Result of the acceptance tests.
 #[derive(Debug, Default)]
@@ -98,7 +102,7 @@ fn outweighs(before: &Linearization, with: &Linearization) -> bool {
     let pairs = squares(before).into_iter().zip(squares(with)).enumerate();
     pairs.into_iter().any(|(output, ((without, count), (with, _)))| {
         let (size, _) = mean_square(setup.experiment, &before.runs, output);
-        with < AHEAD * AHEAD * without && without - with > STRUCTURE * STRUCTURE * size * count as f64
+        with < LARGE * without && without - with > STRUCTURE * STRUCTURE * size * count as f64
     })
 }
 

@@ -328,6 +328,7 @@ fn candidates(outcome: &Outcome) -> Markup {
             plain(e.port.name()).into(),
             Cell::number(e.delta_bic),
             Cell::number(e.delta_bic_whitened),
+            Cell::maybe(e.delta_validation),
             Cell::number(e.probability),
             Cell::maybe(e.validation_ratio),
             if e.accepted { "accepted" } else { "rejected" }.into(),
@@ -340,6 +341,7 @@ fn candidates(outcome: &Outcome) -> Markup {
         "port",
         "decrease of BIC",
         "the same, autocorrelated noise",
+        "of which validation runs",
         "probability",
         "validation error ratio",
         "verdict",
@@ -349,8 +351,8 @@ fn candidates(outcome: &Outcome) -> Markup {
         @if !outcome.candidate_table.is_empty() {
             h2 { "Candidates" }
             p {
-                "By rank in each round. Probability: of this candidate among those of its round and the model without any of them, from BIC \
-                 with autocorrelated noise; acceptance also needs the validation runs."
+                "By rank in each round. BIC is that of the fit and validation runs. Probability: of this candidate among those of its round \
+                 and the model without any of them, from BIC with autocorrelated noise."
             }
             (table(&headers, ranked.into_iter().map(row).collect()))
         }

@@ -33,6 +33,7 @@ fn found(id: &str) -> Found {
         separating_experiment: Some("run at 1500 rad/s without load: 2.1 mN.m against 3.4 mN.m".to_owned()),
         delta_bic: 120.0,
         delta_bic_whitened: 80.0,
+        delta_validation: Some(60.0),
         validation_ratio: Some(0.41),
         magnitude: "changes at most voltage by 0.3 V".to_owned(),
     }
@@ -84,6 +85,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         port: Port::DragTorque,
         delta_bic: 120.0,
         delta_bic_whitened: 80.0,
+        delta_validation: Some(60.0),
         probability: if accepted { 0.8 } else { 0.2 },
         validation_ratio: accepted.then_some(0.41),
         accepted,
