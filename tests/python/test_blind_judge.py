@@ -78,6 +78,9 @@ ROUGH = truth(structure=3.0)
         (ROUGH, report("named", "stator_node"), j.STRUCTURE),
         (ROUGH, report("unexplained", law=("heat_capacity", "time")), j.STRUCTURE),
         (ROUGH, report("named", "stator_node", "windage"), j.FALSE_ALARM),
+        # Beside a law as well, an effect with alternatives is not named.
+        (ROUGH, report("unexplained", "windage", alternatives=["stator_node"], law=("heat_capacity", "time")), j.STRUCTURE),
+        (ROUGH, report("unexplained", "windage", law=("heat_capacity", "time")), j.FALSE_ALARM),
         (LISTED, report("named", "iron_loss"), j.RIGHT),
         # Alternatives that were rejected do not make a class of a name.
         (LISTED, report("named", "iron_loss", alternatives=["windage"]), j.RIGHT),

@@ -102,8 +102,9 @@ def said_in(report: dict) -> Said:
     verdict, effects = report["verdict"], [e for e in report.get("effects") or [] if e["id"] != GENERIC]
     if verdict not in VERDICTS:
         raise ValueError(f"the verdict {verdict!r} is none of {', '.join(VERDICTS)}")
-    classes = [{e["id"], *e["alternatives"]} for e in effects if e.get("alternatives")]
-    names = [e["id"] for e in effects if not e.get("alternatives")]
+    alike = [e for e in effects if e.get("alternatives") and verdict != "named"]
+    classes = [{e["id"], *e["alternatives"]} for e in alike]
+    names = [e["id"] for e in effects if e not in alike]
     if verdict == "class" and effects and not classes:
         names, classes = [], [{e["id"] for e in effects}]
     rest, unusable = report.get("unexplained"), report.get("unusable") or {}

@@ -404,4 +404,3 @@ impl<'a> Linearization<'a> {
         self.setup.reached.iter().chain(own.iter().flat_map(|t| &t.drivers))
     }
 }
-

@@ -407,9 +407,47 @@ pub fn at_limit(addition: &Addition) -> Option<String> {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use physics::terms::{Driver, Port};
+
+    /// The preset with an addition, as a candidate with this reduction of the cost.
+    pub fn candidate<'a>(setup: &'a Setup<'a>, addition: Addition, sure: f64) -> Candidate<'a> {
+        let fitted = setup.judged(setup.preset(), &[0]).unwrap();
+        let mut point = Linearization::judged(setup, fitted, &[0]).unwrap();
+        point.fitted.hypothesis.additions.push(addition);
+        let (delta, name) = ((sure, sure + 10.0), String::new());
+        Candidate {
+            name,
+            point,
+            delta,
+            foretold: None,
+            validation: None,
+            refused: None,
+            is_hardly_better: false,
+        }
+    }
+
+    /// Effects within the difference that structure error makes are alternatives, also if they alone would not be accepted.
+    #[test]
+    fn effects_that_explain_about_as_much_are_alternatives() {
+        let experiment = crate::testing::experiment(crate::testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let of = |id: &str, size: f64, sure: f64| {
+            candidate(&setup, crate::testing::addition(&setup, id, size), sure)
+        };
+        let point = Linearization::judged(&setup, setup.judged(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+        let candidates = [
+            ("windage", 1e-8, 120.0),
+            ("iron_loss", 1e-6, 90.0),
+            ("viscous_friction", 1e-6, 70.0),
+            ("iron_loss", -1e-6, 110.0),
+        ];
+        let candidates = candidates.map(|(id, size, sure)| of(id, size, sure));
+        assert_eq!(alike(&point, &candidates, 0), [1]);
+        let law = crate::testing::law(Port::DragTorque, Follows::Driver(Driver::Speed));
+        assert!(alike(&point, &[candidate(&setup, law, 120.0), of("iron_loss", 1e-6, 90.0)], 0).is_empty());
+    }
 
     fn scored(name: &str, addition: Option<Addition>, evidence: f64) -> Scored {
         Scored {

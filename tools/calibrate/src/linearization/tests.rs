@@ -43,8 +43,9 @@ fn a_moved_thermometer_is_not_held_against_an_effect() {
         let winding = experiment.inputs.len() + 2;
         experiment.runs[0].table.columns[winding].iter_mut().for_each(|x| *x += testing::NOISE);
     };
-    let [exact, moved] = [explained(&experiment(Role::Validate, |_| ())), explained(&experiment(Role::Validate, moved))]
-        .map(|(_, _, foretold)| foretold.unwrap());
+    let [exact, moved] =
+        [explained(&experiment(Role::Validate, |_| ())), explained(&experiment(Role::Validate, moved))]
+            .map(|(_, _, foretold)| foretold.unwrap());
     assert!((moved / exact - 1.0).abs() < 0.02, "{moved} {exact}");
 }
 

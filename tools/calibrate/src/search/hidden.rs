@@ -85,9 +85,11 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
         Some(laws.into_iter().flatten())
     };
     let mut found: Vec<Scored> = parallel::flat_map(&places, find).into_iter().flatten().collect();
-    let measured: Vec<(Port, f64)> = found.iter().filter(|s| !is_of_heat(s)).map(|s| (s.port, s.sure())).collect();
+    let measured: Vec<(Port, f64)> =
+        found.iter().filter(|s| !is_of_heat(s)).map(|s| (s.port, s.sure())).collect();
     // The model computes a heat flow from measured drivers: it has to explain more than they do.
-    let as_well = |s: &Scored| measured.iter().any(|(port, sure)| *port == s.port && *sure > NEARLY * s.sure());
+    let as_well =
+        |s: &Scored| measured.iter().any(|(port, sure)| *port == s.port && *sure > NEARLY * s.sure());
     found.retain(|s| !is_of_heat(s) || !as_well(s));
     found
 }

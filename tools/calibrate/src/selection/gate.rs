@@ -54,7 +54,9 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     let foretold = validation(before, candidate)?;
     let validation = foretold.map(|f| (f.with / f.without).sqrt());
     let of_density = foretold.and_then(|f| f.density).filter(|gain| *gain < NEAR).map(|gain| {
-        format!("the validation runs are hardly predicted better: -2 ln p falls by {gain:.1}; {NEAR} is asked for")
+        format!(
+            "the validation runs are hardly predicted better: -2 ln p falls by {gain:.1}; {NEAR} is asked for"
+        )
     });
     // Held-out parts have no null model of their own.
     let of_parts = foretold.filter(|f| f.density.is_none()).and_then(|f| {

@@ -90,41 +90,53 @@ pub fn listed_instead(
     })
 }
 
-/// A law at another port over another driver that cannot be told apart from a listed effect, and is not less probable by itself: the weaker
-/// statement is made.
+/// A law at another port over another driver that cannot be told apart from the `k`-th candidate, a listed effect: the law is the weaker
+/// statement.
 pub fn law_elsewhere(point: &Linearization, candidates: &mut [Candidate], k: usize) -> Option<usize> {
     let own = &candidates[k];
-    let (port, follows, sure) = (own.addition().port, own.addition().follows, own.sure());
-    if !own.addition().is_listed() {
-        return None;
-    }
-    let is_rival = |c: &Candidate| {
-        let addition = c.addition();
-        !addition.is_listed()
-            && addition.port != port
-            && addition.follows != follows
-            && oddity(addition) == 0
-            && c.refused.is_none()
-            && c.sure() > sure - ALIKE
-    };
-    let law = candidates.iter().position(is_rival)?;
+    let law = candidates.iter().position(|c| c.refused.is_none() && states_less(c, own))?;
     candidates[law].judge(point).then_some(law)
+}
+
+/// Whether a law explains as much as a listed effect elsewhere, and is not less probable by itself.
+fn states_less(law: &Candidate, own: &Candidate) -> bool {
+    let (a, b) = (law.addition(), own.addition());
+    let is_elsewhere = a.port != b.port && a.follows != b.follows;
+    is_elsewhere && b.is_listed() && !a.is_listed() && oddity(a) == 0 && law.sure() > own.sure() - ALIKE
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::law;
+    use crate::selection::tests::candidate;
+    use crate::setup::Setup;
+    use crate::testing::{self, law};
 
     #[test]
     fn a_law_of_one_driver_is_a_part_of_one_of_two() {
         use Driver::{Current, HousingTemperature, Speed};
         let of = |follows: Follows| law(Port::HeatCapacity, follows);
-        let (single, pair) =
-            (of(Follows::Driver(Speed)), of(Follows::Both(HousingTemperature, Speed)));
+        let (single, pair) = (of(Follows::Driver(Speed)), of(Follows::Both(HousingTemperature, Speed)));
         assert!(is_part(&single, &pair) && !is_part(&pair, &pair));
         assert!(!is_part(&of(Follows::Driver(Current)), &pair));
         assert!(!is_part(&law(Port::WindingHeat, single.follows), &pair));
+    }
+
+    #[test]
+    fn a_law_elsewhere_states_less_than_a_name() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let of = |addition, sure| candidate(&setup, addition, sure);
+        let named = of(testing::addition(&setup, "windage", 1e-8), 200.0);
+        let heat = |follows, sure| of(law(Port::WindingHeat, follows), sure);
+        let over = |driver, sure| heat(Follows::Driver(driver), sure);
+        assert!(states_less(&over(Driver::Current, 160.0), &named));
+        // It explains less; it is over the same driver; it is odd; it is at the same port.
+        assert!(!states_less(&over(Driver::Current, 150.0), &named));
+        assert!(!states_less(&over(Driver::Speed, 250.0), &named));
+        assert!(!states_less(&heat(Follows::Late(Driver::CopperLoss), 250.0), &named));
+        assert!(!states_less(&of(law(Port::DragTorque, Follows::Driver(Driver::Current)), 250.0), &named));
+        assert!(!states_less(&named, &over(Driver::Current, 160.0)));
     }
 
     /// A law that is less probable before any data: at a sensor, over the temperature of the other node, over a heat that the model computes.
