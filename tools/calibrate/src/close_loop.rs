@@ -323,7 +323,10 @@ impl<'a> Search<'a> {
             let Some(taken) = round.taken else { continue };
             effects.push(self.found(round, taken)?);
         }
-        let unnamed = effects.iter().position(|f| f.term.is_some());
+        // Of several laws the one that explains most.
+        let laws = effects.iter().enumerate().filter(|(_, f)| f.term.is_some());
+        let most = laws.max_by(|a, b| a.1.delta_bic_whitened.total_cmp(&b.1.delta_bic_whitened));
+        let unnamed = most.map(|(k, _)| k);
         let class = effects.iter().any(|f| !f.alternatives.is_empty());
         judgement.verdict = match (effects.is_empty(), unnamed, class) {
             (true, ..) => Verdict::Nothing,

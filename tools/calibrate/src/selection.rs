@@ -23,7 +23,7 @@ use crate::setup::{BLOCKS, Setup};
 pub use companion::companion;
 use gate::{Judged, gate, implausible};
 pub use gate::{asked, predicts_where_it_acts};
-use preference::{is_part, law_elsewhere, listed_instead, order_by_likelihood};
+use preference::{is_listed_part, is_part, law_elsewhere, order_by_likelihood};
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
 /// 3.2.
@@ -36,7 +36,7 @@ pub const NEAR: f64 = 6.0;
 const TEMPER: f64 = SAMPLES / BLOCKS as f64;
 /// Difference of the cost within which two explanations cannot be told apart. Derivation: [`NEAR`] for a likelihood to the power
 /// [`TEMPER`].
-const ALIKE: f64 = NEAR / TEMPER;
+pub const ALIKE: f64 = NEAR / TEMPER;
 /// Numbers of candidates with distinct names: effects of the list, power laws, shapes, laws with a lag, shapes over two drivers. Numerical: a limit of effort; the
 /// others explain less to first order.
 const CANDIDATES: [usize; 5] = [6, 2, 2, 2, 2];
@@ -62,8 +62,6 @@ pub struct Candidate<'a> {
     pub validation: Option<f64>,
     /// Reason for rejection, in one sentence.
     pub refused: Option<String>,
-    /// See [`Judged::is_hardly_better`](gate::Judged::is_hardly_better).
-    is_hardly_better: bool,
 }
 
 impl Candidate<'_> {
@@ -77,7 +75,6 @@ impl Candidate<'_> {
         let judged =
             gate(before, self, asked).unwrap_or_else(|e| Judged::refused(format!("cannot be judged: {e}")));
         (self.validation, self.refused) = (judged.validation, judged.refused);
-        self.is_hardly_better = judged.is_hardly_better;
         self.refused.is_none()
     }
 
@@ -103,6 +100,8 @@ pub struct Round<'a> {
     excuse: Option<&'static str>,
     /// Candidates that the data cannot distinguish from it.
     pub alike: Vec<usize>,
+    /// A listed effect that also passes and may be a part of the accepted law: [`is_listed_part`](preference::is_listed_part).
+    pub part: Option<usize>,
     /// Candidates that could not be fitted, with the reason.
     failed: Vec<(Scored, CalibrateError)>,
 }
@@ -235,7 +234,7 @@ fn candidates<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Score
     for candidate in &mut candidates {
         candidate.refused = at_limit(candidate.addition());
     }
-    Round { candidates, taken: None, excuse: None, alike: Vec::new(), failed }
+    Round { candidates, taken: None, excuse: None, alike: Vec::new(), part: None, failed }
 }
 
 /// Releases the linearizations of all candidates but these.
@@ -248,40 +247,35 @@ fn release(candidates: &mut [Candidate], kept: &[Option<usize>]) {
 /// with which the model cannot be run is listed with the reason.
 pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
     let Round { mut candidates, failed, .. } = candidates(point, start, scored);
-    let mut taken = None;
-    // A listed effect is preferred to a shape that explains little more, and a law of one driver to one of two or with an additional state.
+    // Preferred are a listed effect to a law that explains little more, and a law of one driver to one of two or with an additional state.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
-    let first = order.first().map(|k| &candidates[*k]);
-    let best = first.map_or(0.0, Candidate::sure);
-    let is_simple = |c: &Candidate| matches!(c.addition().follows, Follows::Nothing | Follows::Driver(_));
-    let is_best_simple = first.is_none_or(is_simple);
-    let near = ALIKE;
-    // A second driver is a further addition: it has to explain as much as one, and not only what is left by nearly the same law.
-    let is_whole = |c: &Candidate, whole: &Candidate| {
-        is_part(c.addition(), whole.addition())
-            && (c.sure() > NEARLY * best || best - c.sure() < asked(&c.point, &whole.point))
-    };
-    let stands = |c: &Candidate| {
-        let is_preferred = c.addition().is_listed() || (!is_best_simple && is_simple(c));
-        is_preferred && (best - c.sure() < near || first.is_some_and(|whole| is_whole(c, whole)))
-    };
-    order.sort_by_key(|k| !stands(&candidates[*k]));
-    order_by_likelihood(&candidates, &mut order, near);
-    for k in order {
-        if candidates[k].judge(point) {
-            let listed = listed_instead(point, &mut candidates, k, near);
-            if let Some(other) = listed {
-                candidates[other].refused = None;
-            }
-            taken = Some(listed.unwrap_or(k));
-            break;
-        }
+    if let Some(best) = order.first().map(|k| &candidates[*k]) {
+        let is_simple = |c: &Candidate| matches!(c.addition().follows, Follows::Nothing | Follows::Driver(_));
+        let is_best_simple = is_simple(best);
+        // A second driver is a further addition: it has to explain as much as one, and not only what is left by nearly the same law.
+        let is_enough = |c: &Candidate| {
+            let (own, whole) = (c.addition(), best.addition());
+            let less = best.sure() - c.sure();
+            let nearly = c.sure() > NEARLY * best.sure();
+            less < ALIKE
+                || (nearly && own.is_listed() && own.port == whole.port)
+                || (is_part(own, whole) && (nearly || less < asked(&c.point, &best.point)))
+        };
+        let stands =
+            |c: &Candidate| (c.addition().is_listed() || (!is_best_simple && is_simple(c))) && is_enough(c);
+        order.sort_by_key(|k| !stands(&candidates[*k]));
+        order_by_likelihood(&candidates, &mut order);
     }
-    taken = taken.map(|t| law_elsewhere(point, &mut candidates, t).unwrap_or(t));
+    let taken = order.into_iter().find(|k| candidates[*k].judge(point));
+    let taken = taken.map(|t| law_elsewhere(point, &mut candidates, t).unwrap_or(t));
     let alike = taken.map_or_else(Vec::new, |t| self::alike(point, &candidates, t));
+    let part = taken.and_then(|t| {
+        let law = candidates[t].addition().clone();
+        candidates.iter_mut().position(|c| is_listed_part(c.addition(), &law) && c.judge(point))
+    });
     let first = candidates.iter().position(|c| at_limit(c.addition()).is_none());
     release(&mut candidates, &[taken, first]);
-    Round { candidates, taken, excuse: None, alike, failed }
+    Round { candidates, taken, excuse: None, alike, part, failed }
 }
 
 /// Listed effects that the data cannot tell apart from an accepted listed effect, also if they alone would not be accepted.
@@ -393,7 +387,6 @@ fn fitted<'a>(
         delta,
         validation: None,
         refused: None,
-        is_hardly_better: false,
     })
 }
 
@@ -417,15 +410,7 @@ pub mod tests {
         let mut point = Linearization::judged(setup, fitted, &[0]).unwrap();
         point.fitted.hypothesis.additions.push(addition);
         let (delta, name) = ((sure, sure + 10.0), String::new());
-        Candidate {
-            name,
-            point,
-            delta,
-            foretold: None,
-            validation: None,
-            refused: None,
-            is_hardly_better: false,
-        }
+        Candidate { name, point, delta, foretold: None, validation: None, refused: None }
     }
 
     /// Effects within the difference that structure error makes are alternatives, also if they alone would not be accepted.
@@ -503,6 +488,7 @@ pub mod tests {
             taken: None,
             excuse: None,
             alike: Vec::new(),
+            part: None,
             failed: deltas.iter().map(|delta| failed(*delta)).collect(),
         };
         let deltas = [2.0 * 4f64.ln() / TEMPER, 2.0 * 2f64.ln() / TEMPER, -50000.0];
@@ -525,7 +511,14 @@ pub mod tests {
     fn a_failed_candidate_is_listed() {
         let scored = scored("drag_torque over speed", None, 80.0);
         let failed = vec![(scored, CalibrateError("the step size is too small".to_string()))];
-        let round = Round { candidates: Vec::new(), taken: None, excuse: None, alike: Vec::new(), failed };
+        let round = Round {
+            candidates: Vec::new(),
+            taken: None,
+            excuse: None,
+            alike: Vec::new(),
+            part: None,
+            failed,
+        };
         let candidate_table = round.candidate_table(2);
         assert_eq!(
             (candidate_table.len(), candidate_table[0].round, candidate_table[0].delta_bic),

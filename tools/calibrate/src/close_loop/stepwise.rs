@@ -7,11 +7,17 @@ use crate::levels::{LEAD, NEARLY};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, search};
-use crate::selection::{Candidate, LEAST, NEAR, Round, asked, companion, compete, predicts_where_it_acts};
+use crate::selection::{
+    ALIKE, Candidate, LEAST, NEAR, Round, asked, companion, compete, predicts_where_it_acts,
+};
 use physics::terms::MOST_TERMS;
 
 /// Largest number of passes over all additions. Numerical: a pass without a change is the last.
 const PASSES: usize = 2;
+
+/// Fraction of the best score below which a candidate is not fitted again. Derivation: to replace an addition it would have to explain twice as
+/// much as to first order, where all other parameters are at their optimum.
+const HALF: f64 = 0.5;
 
 impl<'a> Search<'a> {
     /// Candidates scored last.
@@ -28,7 +34,7 @@ impl<'a> Search<'a> {
             let round = compete(self.point(), &self.point().fitted.hypothesis, self.left());
             let taken = match round.promising().filter(|_| self.rounds.is_empty()) {
                 Some(k) => self.together(round, k),
-                None => self.push(round),
+                None => self.two_instead(round),
             };
             if !taken {
                 break;
@@ -81,13 +87,36 @@ impl<'a> Search<'a> {
             self.scored.push(scored);
             return true;
         }
-        let second = companion(&point, &point.fitted.hypothesis, &scored);
+        let first = &round.candidates[k].point;
+        let second = companion(first, &first.fitted.hypothesis, &scored);
         if !second.passes_beside(self.point(), &round.candidates[k]) {
             return self.push(round);
         }
         self.rounds.push(
             round.with_taken(k, "explains most of all; together with what comes next it passes the gate"),
         );
+        self.scored.push(scored);
+        self.rounds.push(second);
+        true
+    }
+
+    /// A law may stand in for two effects. If a listed effect that may be its part, together with what is then found, explains as much, both are
+    /// accepted instead: they say more, and neither is a law of two drivers. Returns whether the round has an accepted candidate.
+    fn two_instead(&mut self, round: Round<'a>) -> bool {
+        let law = round.winner().map(Candidate::sure).filter(|_| self.rounds.len() + 1 < MOST_TERMS);
+        let Some((k, law)) = round.part.zip(law) else { return self.push(round) };
+        let part = &round.candidates[k];
+        let scored = Linearization::new(self.setup, part.point.fitted.clone(), &self.first.runs);
+        // Otherwise the law stands.
+        let Ok(scored) = scored.map(|point| search(&point)) else { return self.push(round) };
+        let second = compete(&part.point, &part.point.fitted.hypothesis, &scored);
+        let is_simple =
+            |c: &&Candidate| matches!(c.addition().follows, Follows::Nothing | Follows::Driver(_));
+        let both = second.winner().filter(is_simple).map(|next| part.sure() + next.sure());
+        if both.is_none_or(|both| both < law - ALIKE) {
+            return self.push(round);
+        }
+        self.rounds.push(round.with_taken(k, "together with what comes next it explains as much as a law"));
         self.scored.push(scored);
         self.rounds.push(second);
         true
@@ -171,7 +200,11 @@ impl<'a> Search<'a> {
             return Ok(true);
         }
         let stripped = Linearization::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
-        let round = compete(&without, &others, &search(&stripped));
+        // Here the scores to first order are accurate: what explains far less is not fitted again.
+        let mut scored = search(&stripped);
+        let least = HALF * scored.iter().map(Scored::sure).fold(0.0, f64::max);
+        scored.retain(|s| s.sure() > least);
+        let round = compete(&without, &others, &scored);
         let is_as_good = |c: &&Candidate| self.point().explains(&c.point).0 < LEAST;
         if let Some(winner) = round.winner().filter(is_as_good) {
             let same = (&winner.addition().id, winner.addition().port) == (&own.id, own.port);

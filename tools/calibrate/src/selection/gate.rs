@@ -27,8 +27,6 @@ pub struct Judged {
     pub validation: Option<f64>,
     /// Reason for rejection.
     pub refused: Option<String>,
-    /// Whether the only reason is that what was not fitted is predicted better by less than is asked for.
-    pub is_hardly_better: bool,
 }
 
 impl Judged {
@@ -73,10 +71,8 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
         let channel = before.setup.experiment.outputs[output].column;
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
-    let is_better = foretold.is_some_and(|f| f.density.map_or(f.with < f.without, |gain| gain > 0.0));
-    let is_hardly_better = is_better && (of_density.is_some() || of_parts.is_some()) && of_output.is_none();
     let refused = of_density.or(of_parts).or(of_output);
-    Ok(Judged { validation, refused, is_hardly_better })
+    Ok(Judged { validation, refused })
 }
 
 /// Reason why a candidate is no physical explanation of the fit runs, whatever it predicts.

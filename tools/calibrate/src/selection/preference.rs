@@ -2,7 +2,6 @@
 
 use super::{ALIKE, Candidate};
 use crate::hypothesis::Addition;
-use crate::levels::{NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::temperatures;
@@ -11,7 +10,7 @@ use physics::terms::{Driver, Port};
 /// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
 /// sensor error that depends on the motor, an effect at a node depends on the temperature of that node, and a driver that is measured is
 /// preferred to a heat flow that the model computes from it.
-pub fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>, near: f64) {
+pub fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>) {
     let unnamed = |k: &usize| !candidates[*k].addition().is_listed();
     for strange in ODDITIES {
         let Some(first) = order.iter().position(unnamed) else { return };
@@ -24,7 +23,7 @@ pub fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>, nea
             unnamed(k)
                 && !strange(other.addition())
                 && (is_sensor(best.addition().port) || other.addition().port == best.addition().port)
-                && best.sure() - other.sure() < near
+                && best.sure() - other.sure() < ALIKE
         };
         if let Some(other) = order.iter().position(as_well) {
             let other = order.remove(other);
@@ -61,33 +60,16 @@ pub fn is_part(own: &Addition, whole: &Addition) -> bool {
         && own.port == whole.port
 }
 
+/// Whether a listed effect may be a part of a law at its port: a law of two drivers that has its driver, or an effect without a driver, the
+/// constant part of every law.
+pub fn is_listed_part(own: &Addition, law: &Addition) -> bool {
+    let is_constant = own.follows == Follows::Nothing && own.port == law.port;
+    own.is_listed() && !law.is_listed() && (is_constant || is_part(own, law))
+}
+
 /// Number of [`ODDITIES`] of a law.
 fn oddity(addition: &Addition) -> usize {
     ODDITIES.iter().filter(|is_odd| is_odd(addition)).count()
-}
-
-/// A listed effect at the port of a law that is accepted: it explains nearly as much (or as much up to `near`), and is predicted as well up to
-/// structure error, even if what was not fitted is predicted better by less than is asked for.
-pub fn listed_instead(
-    point: &Linearization,
-    candidates: &mut [Candidate],
-    k: usize,
-    near: f64,
-) -> Option<usize> {
-    let law = &candidates[k];
-    let (port, foretold) = (law.addition().port, law.validation?);
-    let least = law.sure() - near.max((1.0 - NEARLY) * law.sure());
-    if law.addition().is_listed() {
-        return None;
-    }
-    candidates.iter_mut().position(|c| {
-        let is_equal = c.addition().is_listed() && c.addition().port == port && c.sure() > least;
-        if is_equal && c.validation.is_none() && c.refused.is_none() {
-            c.judge(point);
-        }
-        let predicts = c.validation.is_some_and(|own| own < foretold * (1.0 + STRUCTURE));
-        is_equal && predicts && (c.is_hardly_better || c.refused.is_none())
-    })
 }
 
 /// A law at another port over another driver that cannot be told apart from the `k`-th candidate, a listed effect: the law is the weaker
@@ -101,7 +83,8 @@ pub fn law_elsewhere(point: &Linearization, candidates: &mut [Candidate], k: usi
 /// Whether a law explains as much as a listed effect elsewhere, and is not less probable by itself.
 fn states_less(law: &Candidate, own: &Candidate) -> bool {
     let (a, b) = (law.addition(), own.addition());
-    let is_elsewhere = a.port != b.port && a.follows != b.follows;
+    let shares_a_driver = a.follows.drivers().any(|driver| b.follows.drivers().any(|own| own == driver));
+    let is_elsewhere = a.port != b.port && !shares_a_driver;
     is_elsewhere && b.is_listed() && !a.is_listed() && oddity(a) == 0 && law.sure() > own.sure() - ALIKE
 }
 
@@ -131,9 +114,10 @@ mod tests {
         let heat = |follows, sure| of(law(Port::WindingHeat, follows), sure);
         let over = |driver, sure| heat(Follows::Driver(driver), sure);
         assert!(states_less(&over(Driver::Current, 160.0), &named));
-        // It explains less; it is over the same driver; it is odd; it is at the same port.
+        // It explains less; it has the same driver, also beside another one; it is odd; it is at the same port.
         assert!(!states_less(&over(Driver::Current, 150.0), &named));
         assert!(!states_less(&over(Driver::Speed, 250.0), &named));
+        assert!(!states_less(&heat(Follows::Both(Driver::Current, Driver::Speed), 250.0), &named));
         assert!(!states_less(&heat(Follows::Late(Driver::CopperLoss), 250.0), &named));
         assert!(!states_less(&of(law(Port::DragTorque, Follows::Driver(Driver::Current)), 250.0), &named));
         assert!(!states_less(&named, &over(Driver::Current, 160.0)));
