@@ -123,6 +123,21 @@ mod tests {
         assert!(!states_less(&named, &over(Driver::Current, 160.0)));
     }
 
+    #[test]
+    fn listed_effects_may_be_parts_of_laws() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let windage = testing::addition(&setup, "windage", 1e-8);
+        let both = |port| law(port, Follows::Both(Driver::HousingTemperature, Driver::Speed));
+        assert!(is_listed_part(&windage, &both(Port::DragTorque)));
+        assert!(!is_listed_part(&windage, &both(Port::HousingHeat)));
+        // A law of its driver alone is another form of the same effect, and no second one.
+        let single = law(Port::DragTorque, Follows::Driver(Driver::Speed));
+        assert!(!is_listed_part(&windage, &single) && !is_listed_part(&single, &both(Port::DragTorque)));
+        let offset = testing::addition(&setup, "winding_sensor_offset", 1.0);
+        assert!(is_listed_part(&offset, &law(Port::WindingSensor, Follows::Driver(Driver::Current))));
+    }
+
     /// A law that is less probable before any data: at a sensor, over the temperature of the other node, over a heat that the model computes.
     #[test]
     fn odd_laws_are_known() {
