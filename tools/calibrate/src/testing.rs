@@ -2,8 +2,10 @@
 
 use crate::experiment::Experiment;
 use crate::hypothesis::{Addition, Hypothesis, Shape};
+use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::overrides::Override;
+use crate::selection::Candidate;
 use crate::setup::Setup;
 use physics::terms::{Factor, GenericTerm, Port};
 use rand::{RngExt, SeedableRng};
@@ -90,6 +92,15 @@ pub fn addition(setup: &Setup, id: &str, size: f64) -> Addition {
     let mut addition = listed.addition(setup, &[true]).unwrap();
     addition.numbers[0].value = size;
     addition
+}
+
+/// The preset with an addition, as a candidate with this reduction of the cost.
+pub fn candidate<'a>(setup: &'a Setup<'a>, addition: Addition, sure: f64) -> Candidate<'a> {
+    let fitted = setup.judged(setup.preset(), &[0]).unwrap();
+    let mut point = Linearization::judged(setup, fitted, &[0]).unwrap();
+    point.fitted.hypothesis.additions.push(addition);
+    let (delta, name) = ((sure, sure + 10.0), String::new());
+    Candidate { name, point, delta, foretold: None, validation: None, refused: None }
 }
 
 /// Linear law at a port, without numbers; `follows` is what is said of it.

@@ -91,9 +91,8 @@ fn states_less(law: &Candidate, own: &Candidate) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::selection::tests::candidate;
     use crate::setup::Setup;
-    use crate::testing::{self, law};
+    use crate::testing::{self, candidate, law};
 
     #[test]
     fn a_law_of_one_driver_is_a_part_of_one_of_two() {

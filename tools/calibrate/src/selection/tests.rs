@@ -1,0 +1,109 @@
+use super::*;
+use crate::testing::candidate;
+use physics::terms::{Driver, Port};
+
+/// Effects within the difference that structure error makes are alternatives, also if they alone would not be accepted.
+#[test]
+fn effects_that_explain_about_as_much_are_alternatives() {
+    let experiment = crate::testing::experiment(crate::testing::PRIORS, true);
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let of =
+        |id: &str, size: f64, sure: f64| candidate(&setup, crate::testing::addition(&setup, id, size), sure);
+    let point = Linearization::judged(&setup, setup.judged(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+    let candidates = [
+        ("windage", 1e-8, 120.0),
+        ("iron_loss", 1e-6, 90.0),
+        ("viscous_friction", 1e-6, 70.0),
+        ("iron_loss", -1e-6, 110.0),
+    ];
+    let candidates = candidates.map(|(id, size, sure)| of(id, size, sure));
+    assert_eq!(alike(&point, &candidates, 0), [1]);
+    let law = crate::testing::law(Port::DragTorque, Follows::Driver(Driver::Speed));
+    assert!(alike(&point, &[candidate(&setup, law, 120.0), of("iron_loss", 1e-6, 90.0)], 0).is_empty());
+}
+
+fn scored(name: &str, addition: Option<Addition>, evidence: f64) -> Scored {
+    Scored {
+        listed: addition.is_some(),
+        addition,
+        name: name.to_string(),
+        port: Port::DragTorque,
+        follows: Follows::Driver(Driver::Speed),
+        evidence,
+        raw: evidence + 10.0,
+        shape: Vec::new(),
+    }
+}
+
+/// Variants of one effect do not use up the places of others; two of them are fitted.
+#[test]
+fn variants_leave_room_for_other_effects() {
+    let experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let windage = || Some(crate::testing::addition(&setup, "windage", 1e-8));
+    let mut all: Vec<Scored> =
+        (0..9).map(|k| scored("windage in some runs", windage(), 90.0 - f64::from(k))).collect();
+    all.extend((0..9).map(|k| scored(&format!("effect {k}"), windage(), 80.0 - f64::from(k))));
+    let names: Vec<&str> = choose(&all).into_iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(names.iter().filter(|n| n.starts_with("windage")).count(), 2, "{names:?}");
+    assert_eq!(names.len() - 2, CANDIDATES[0] - 1, "{names:?}");
+}
+
+/// Only a general law over the same driver at the same port is a repetition.
+#[test]
+fn a_second_law_over_the_same_driver_is_not_looked_for() {
+    let experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let listed = crate::testing::addition(&setup, "windage", 1e-8);
+    let law = crate::testing::law(listed.port, listed.follows);
+    let hypothesis = Hypothesis { additions: vec![law.clone()], ..setup.preset() };
+    let own = scored("drag_torque over speed", None, 80.0);
+    let other = Scored { follows: Follows::Driver(Driver::Current), ..own.clone() };
+    let repeated = Scored { port: law.port, follows: law.follows, ..own.clone() };
+    assert!(repeats(&hypothesis, &repeated) && !repeats(&hypothesis, &other));
+    assert!(!repeats(&hypothesis, &Scored { listed: true, ..repeated.clone() }));
+    let beside = Hypothesis { additions: vec![listed], ..setup.preset() };
+    assert!(!repeats(&beside, &repeated));
+}
+
+/// Probabilities of the candidates of a round and of the model without any add up to 1; a difference of 2 ln 2 in the tempered BIC doubles
+/// them.
+#[test]
+fn probabilities_of_a_round_add_up() {
+    let failed = |delta: f64| (scored("windage", None, delta), CalibrateError(String::new()));
+    let round = |deltas: &[f64]| Round {
+        candidates: Vec::new(),
+        taken: None,
+        excuse: None,
+        alike: Vec::new(),
+        part: None,
+        failed: deltas.iter().map(|delta| failed(*delta)).collect(),
+    };
+    let deltas = [2.0 * 4f64.ln() / TEMPER, 2.0 * 2f64.ln() / TEMPER, -50000.0];
+    let all = round(&deltas);
+    let shares: Vec<f64> = deltas.iter().map(|delta| all.probability(*delta)).collect();
+    assert!((shares[0] - 4.0 / 7.0).abs() < 1e-12 && (shares[1] - 2.0 / 7.0).abs() < 1e-12, "{shares:?}");
+    assert!((all.probability(0.0) + shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!((round(&[5000.0]).probability(5000.0) - 1.0).abs() < 1e-12);
+}
+
+/// Among models that are all far less probable than another one, the shares still add up to 1.
+#[test]
+fn shares_are_those_of_the_models_given() {
+    let of = shares(&[-9000.0, -9000.0]);
+    assert_eq!((of(-9000.0), of(-9000.0)), (0.5, 0.5));
+}
+
+/// A candidate that could not be fitted is listed with the reason.
+#[test]
+fn a_failed_candidate_is_listed() {
+    let scored = scored("drag_torque over speed", None, 80.0);
+    let failed = vec![(scored, CalibrateError("the step size is too small".to_string()))];
+    let round =
+        Round { candidates: Vec::new(), taken: None, excuse: None, alike: Vec::new(), part: None, failed };
+    let candidate_table = round.candidate_table(2);
+    assert_eq!((candidate_table.len(), candidate_table[0].round, candidate_table[0].delta_bic), (1, 2, 90.0));
+    assert!(
+        !candidate_table[0].accepted && candidate_table[0].reason.ends_with("the step size is too small")
+    );
+}
