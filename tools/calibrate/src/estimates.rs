@@ -61,10 +61,10 @@ pub fn outcome(
             *estimate = Estimate { value: estimate.value, ci95: (a.min(c), b.max(d)), ..other };
         }
     }
-    // Values are those of the exported model; intervals are extended to contain them.
-    for (estimate, value) in estimates_of.iter_mut().zip(hypothesis.numbers()) {
-        let (least, most) = estimate.ci95;
-        (estimate.value, estimate.ci95) = (value, (least.min(value), most.max(value)));
+    // Values are those of the exported model. Where it is not the joint estimate with sensor drift, an interval is that of either.
+    let scales = setup.scales(&hypothesis);
+    for ((estimate, value), (_, limits, _)) in estimates_of.iter_mut().zip(hypothesis.numbers()).zip(scales) {
+        (estimate.value, estimate.ci95) = (value, of_either(value, estimate.ci95, limits));
     }
     for (d, value) in setup.declared.iter().zip(&hypothesis.declared) {
         let (least, most) = d.limits;
@@ -431,11 +431,27 @@ fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3], half: 
     }
 }
 
+/// The interval of an estimate, extended to that of another value with the same half width, within the limits.
+fn of_either(value: f64, (least, most): (f64, f64), limits: (f64, f64)) -> (f64, f64) {
+    let half = 0.5 * (most - least);
+    (least.min((value - half).max(limits.0)), most.max((value + half).min(limits.1)))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::interval;
+    use super::{interval, of_either};
 
     const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+    /// An interval covers the exported value as widely as the estimate, also if they differ.
+    #[test]
+    fn intervals_are_those_of_either_estimate() {
+        assert_eq!(of_either(3.0, (2.0, 4.0), FREE), (2.0, 4.0));
+        assert_eq!(of_either(6.0, (2.0, 4.0), FREE), (2.0, 7.0));
+        assert_eq!(of_either(3.5, (2.0, 4.0), (0.0, 4.2)), (2.0, 4.2));
+        // At a limit it has one side.
+        assert_eq!(of_either(0.0, (0.0, 1.0), (0.0, 9.0)), (0.0, 1.0));
+    }
 
     /// At a limit, the interval ends where the parabola about the unconstrained optimum has risen by 1.96^2 squared deviations.
     #[test]
