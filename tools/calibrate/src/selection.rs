@@ -223,7 +223,9 @@ pub fn shares(deltas: &[f64]) -> impl Fn(f64) -> f64 + use<> {
 
 /// The candidates of a round, fitted.
 fn candidates<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
-    let chosen: Vec<&Scored> = choose(scored).into_iter().filter(|scored| !repeats(start, scored)).collect();
+    let is_first = start.additions.is_empty();
+    let chosen = choose(scored, is_first).into_iter().filter(|scored| !repeats(start, scored));
+    let chosen: Vec<&Scored> = chosen.collect();
     let fitted = parallel::map(&chosen, |scored| fitted(point, start, scored));
     let (mut candidates, mut failed) = (Vec::new(), Vec::new());
     for (result, scored) in fitted.into_iter().zip(chosen) {
@@ -303,14 +305,15 @@ fn repeats(hypothesis: &Hypothesis, scored: &Scored) -> bool {
 }
 
 /// The most promising candidates of each kind, with distinct effects, ports or drivers: ranked by evidence under both noise models, then
-/// by evidence for white noise, which assumes no sensor drift. If a large missing effect biases the parameters, one of the rankings is
-/// misleading.
-fn choose(scored: &[Scored]) -> Vec<&Scored> {
+/// for a first addition by evidence for white noise, which assumes no sensor drift. If a large missing effect biases the parameters, one of the
+/// rankings is misleading; beside an addition they are near their optimum.
+fn choose(scored: &[Scored], is_first: bool) -> Vec<&Scored> {
     let mut chosen: Vec<&Scored> = Vec::new();
     let surest = scored.iter().map(Scored::sure).fold(0.0, f64::max);
-    for (quota, worth) in [(CANDIDATES, Scored::sure as fn(&Scored) -> f64), (FURTHER, |s: &Scored| s.raw)] {
+    let rankings = [(CANDIDATES, Scored::sure as fn(&Scored) -> f64), (FURTHER, |s: &Scored| s.raw)];
+    for (quota, worth) in rankings.into_iter().take(if is_first { 2 } else { 1 }) {
         let mut order: Vec<&Scored> =
-            scored.iter().filter(|s| s.addition.is_some() && worth(s) > 0.0).collect();
+            scored.iter().filter(|s| s.addition.is_some() && worth(s) > LEAST).collect();
         order.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         let best = scored.iter().map(worth).fold(0.0, f64::max);
         let mut taken = [0; CANDIDATES.len()];

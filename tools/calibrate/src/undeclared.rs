@@ -188,8 +188,7 @@ fn fitted<'a>(
     let mut start = start.hypothesis.clone();
     start.declared.insert(place, value);
     let fitted = setup.settled(start, &point.runs)?;
-    let before = point.evidence.cost();
-    let after = Linearization::judged(&setup, fitted.clone(), &point.runs)?.evidence.cost();
-    let fall = (before.0 - after.0).min(before.1 - after.1) - point.per_number();
+    let (white, raw) = Linearization::judged(&setup, fitted.clone(), &point.runs)?.explains(point);
+    let fall = white.min(raw) - point.per_number();
     Ok(Released { name, setup, fitted, fall })
 }

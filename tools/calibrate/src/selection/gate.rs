@@ -51,7 +51,9 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     }
     let foretold = validation(before, candidate)?;
     let validation = foretold.map(|f| (f.with / f.without).sqrt());
-    let of_density = foretold.and_then(|f| f.density).filter(|gain| *gain < NEAR).map(|gain| {
+    // A null model with a great memory leaves little of the density; a mean square error that halves needs no other measure.
+    let is_halved = foretold.is_some_and(|f| f.with < LARGE * f.without);
+    let of_density = foretold.and_then(|f| f.density).filter(|gain| *gain < NEAR && !is_halved).map(|gain| {
         format!(
             "the validation runs are hardly predicted better: -2 ln p falls by {gain:.1}; {NEAR} is asked for"
         )
