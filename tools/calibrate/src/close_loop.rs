@@ -451,7 +451,7 @@ impl<'a> Search<'a> {
             separating_experiment: separating,
             delta_bic: candidate.delta.1,
             delta_bic_whitened: candidate.delta.0,
-            delta_validation: candidate.foretold,
+            delta_validation: candidate.delta_validation,
             validation_ratio: candidate.validation,
             magnitude: estimates::magnitude(&candidate.point),
         })

@@ -49,7 +49,7 @@ pub struct Linearization<'a> {
     pub slopes: Slopes,
     /// The residual with all columns that already explain parts of it.
     pub evidence: Evidence,
-    /// -2 log p of the fit runs and the validation runs; `None` without validation runs, and if the model cannot be run there.
+    /// See [`validated`](Self::validated).
     with_validation: Option<(f64, f64)>,
     /// Effects with a usable derivative, with the index of their direction after those of the model.
     listed: Vec<(&'static Listed, Addition)>,
@@ -142,8 +142,7 @@ impl<'a> Linearization<'a> {
         // The first linearization with all ports determines the structure error.
         let is_first = ports.len() == Port::ALL.len() && setup.structure.get().is_none();
         if is_first || ports.is_empty() {
-            // What cannot be run in the validation runs is not predicted by them.
-            point.with_validation = point.validated(&further).ok();
+            point.with_validation = point.validated(&further);
         }
         if is_first {
             setup.structure.get_or_init(|| structure(&point));
@@ -167,39 +166,39 @@ impl<'a> Linearization<'a> {
         self.evidence.add_memory().ok_or_else(inseparable)
     }
 
-    /// -2 log p of the fit runs and the validation runs. The first linearization with all ports determines the structure error along all of
-    /// them.
-    fn validated(&mut self, further: &[Probe]) -> Result<(f64, f64), CalibrateError> {
+    /// -2 log p of the fit runs and the validation runs; `None` without validation runs, and if the model cannot be run there.
+    fn validated(&mut self, further: &[Probe]) -> Option<(f64, f64)> {
         let (setup, fit) = (self.setup, self.runs.len());
         let validation = setup.runs(Role::Validate);
         if validation.is_empty() || self.runs != setup.runs(Role::Fit) {
-            return Err(CalibrateError("no validation runs".to_string()));
+            return None;
         }
         let mut hypothesis = self.fitted.hypothesis.clone();
-        acting(setup, &mut hypothesis, &validation)?;
-        let fitted = setup.judged(hypothesis, &validation)?;
-        let slopes = Slopes::new(setup, &fitted.hypothesis, &validation, further)?;
-        let own = (std::mem::replace(&mut self.fitted.hypothesis, fitted.hypothesis), self.evidence.clone());
+        acting(setup, &mut hypothesis, &validation).ok()?;
+        let fitted = setup.judged(hypothesis, &validation).ok()?;
+        let slopes = Slopes::new(setup, &fitted.hypothesis, &validation, further).ok()?;
+        let own = std::mem::replace(&mut self.fitted.hypothesis, fitted.hypothesis);
         self.runs.extend(&validation);
         self.fitted.shown.extend(fitted.shown);
         self.slopes.extend(slopes);
-        let cost = self.cost_of_all(further.len());
-        (self.fitted.hypothesis, self.evidence) = own;
+        let cost = self.cost_of_all(further.len()).ok();
+        self.fitted.hypothesis = own;
         self.runs.truncate(fit);
         self.fitted.shown.truncate(fit);
         self.slopes.truncate(fit);
         cost
     }
 
-    /// -2 log p of all runs of the linearization.
+    /// -2 log p of all runs of the linearization. The first one with all ports determines the structure error along all of them.
     fn cost_of_all(&mut self, further: usize) -> Result<(f64, f64), CalibrateError> {
-        self.evidence =
-            evidence(self.setup, &self.fitted, &self.runs, &self.slopes, further, self.ports.len())?;
+        let whole = evidence(self.setup, &self.fitted, &self.runs, &self.slopes, further, self.ports.len())?;
+        let own = std::mem::replace(&mut self.evidence, whole);
         if self.ports.len() == Port::ALL.len() {
             self.setup.structure.get_or_init(|| structure(self));
         }
-        self.complete()?;
-        Ok(self.evidence.cost())
+        let cost = self.complete().map(|()| self.evidence.cost());
+        self.evidence = own;
+        cost
     }
 
     /// Decrease of -2 log p from `before` to this model, for autocorrelated and for white noise, over the fit runs and the validation runs:
@@ -214,7 +213,7 @@ impl<'a> Linearization<'a> {
     /// of the validation runs, with their own zero offsets, drift and structure error. `None` without validation runs.
     ///
     /// *Source*: Geisser, Eddy, J. Am. Stat. Assoc. 74 (1979) 153-160 (predictive densities select models).
-    pub fn foretells(&self, before: &Linearization) -> Option<f64> {
+    pub fn delta_validation(&self, before: &Linearization) -> Option<f64> {
         let known = before.with_validation?.0 - before.evidence.cost().0;
         let own = self.with_validation.map(|cost| cost.0 - self.evidence.cost().0);
         Some(known - own.unwrap_or(f64::INFINITY))

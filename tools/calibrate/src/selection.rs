@@ -36,7 +36,7 @@ pub const NEAR: f64 = 6.0;
 /// Weight of the evidence of a block in posterior probabilities. Source: Gruenwald, van Ommen, Bayesian Analysis 12 (2017) 1069-1103, a power of
 /// the likelihood of a model that is not exact; here the independent readings for each block.
 const TEMPER: f64 = SAMPLES / BLOCKS as f64;
-/// Difference of the cost within which two explanations cannot be told apart. Derivation: [`NEAR`] for a likelihood to the power
+/// Difference of the cost within which two explanations cannot be distinguished. Derivation: [`NEAR`] for a likelihood to the power
 /// [`TEMPER`].
 pub const ALIKE: f64 = NEAR / TEMPER;
 /// Numbers of candidates with distinct names: effects of the list, power laws, shapes, laws with a lag, shapes over two drivers. Numerical: a limit of effort; the
@@ -59,7 +59,7 @@ pub struct Candidate<'a> {
     /// Reduction of (1) for autocorrelated noise, and for white noise.
     pub delta: (f64, f64),
     /// The part of the first beyond the fit runs; `None` without validation runs.
-    pub foretold: Option<f64>,
+    pub delta_validation: Option<f64>,
     /// Ratio of validation error with it to validation error without it; `None` without validation data.
     pub validation: Option<f64>,
     /// Reason for rejection, in one sentence.
@@ -83,6 +83,11 @@ impl Candidate<'_> {
     /// Evidence under the less favourable of the two noise models.
     pub fn sure(&self) -> f64 {
         self.delta.0.min(self.delta.1)
+    }
+
+    /// Whether it depends on at most one driver, without a lag or a history.
+    pub fn is_simple(&self) -> bool {
+        matches!(self.addition().follows, Follows::Nothing | Follows::Driver(_))
     }
 
     /// The addition to the model.
@@ -199,7 +204,7 @@ impl<'a> Round<'a> {
                 port: c.addition().port,
                 delta_bic: c.delta.1,
                 delta_bic_whitened: c.delta.0,
-                delta_validation: c.foretold,
+                delta_validation: c.delta_validation,
                 probability: self.probability(c.delta.0),
                 validation_ratio: c.validation,
                 accepted: self.taken == Some(k),
@@ -254,8 +259,6 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     // Preferred are a listed effect to a law that explains little more, and a law of one driver to one of two or with an additional state.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
     if let Some(best) = order.first().map(|k| &candidates[*k]) {
-        let is_simple = |c: &Candidate| matches!(c.addition().follows, Follows::Nothing | Follows::Driver(_));
-        let is_best_simple = is_simple(best);
         // A second driver is a further addition: it has to explain as much as one, and not only what is left by nearly the same law.
         let is_enough = |c: &Candidate| {
             let (own, whole) = (c.addition(), best.addition());
@@ -265,8 +268,9 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
                 || (nearly && own.is_listed() && own.port == whole.port)
                 || (is_part(own, whole) && (nearly || less < asked(&c.point, &best.point)))
         };
-        let stands =
-            |c: &Candidate| (c.addition().is_listed() || (!is_best_simple && is_simple(c))) && is_enough(c);
+        let stands = |c: &Candidate| {
+            (c.addition().is_listed() || (!best.is_simple() && c.is_simple())) && is_enough(c)
+        };
         order.sort_by_key(|k| !stands(&candidates[*k]));
         order_by_likelihood(&candidates, &mut order);
     }
@@ -275,14 +279,15 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     let alike = taken.map_or_else(Vec::new, |t| self::alike(point, &candidates, t));
     let part = taken.and_then(|t| {
         let law = candidates[t].addition().clone();
-        candidates.iter_mut().position(|c| is_listed_part(c.addition(), &law) && c.judge(point))
+        let is_part = |c: &Candidate| c.refused.is_none() && is_listed_part(c.addition(), &law);
+        candidates.iter_mut().position(|c| is_part(c) && c.judge(point))
     });
     let first = candidates.iter().position(|c| at_limit(c.addition()).is_none());
     release(&mut candidates, &[taken, first]);
     Round { candidates, taken, excuse: None, alike, part, failed }
 }
 
-/// Listed effects that the data cannot tell apart from an accepted listed effect, also if they alone would not be accepted.
+/// Listed effects that the data cannot distinguish from an accepted listed effect, also if they alone would not be accepted.
 fn alike(point: &Linearization, candidates: &[Candidate], taken: usize) -> Vec<usize> {
     let own = &candidates[taken];
     let is_rival = |k: &usize| {
@@ -387,7 +392,7 @@ fn fitted<'a>(
     let delta = (white - cost - of_runs, raw - cost - of_runs);
     Ok(Candidate {
         name: scored.name.clone(),
-        foretold: larger.foretells(point),
+        delta_validation: larger.delta_validation(point),
         point: larger,
         delta,
         validation: None,

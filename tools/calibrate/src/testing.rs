@@ -100,7 +100,7 @@ pub fn candidate<'a>(setup: &'a Setup<'a>, addition: Addition, sure: f64) -> Can
     let mut point = Linearization::judged(setup, fitted, &[0]).unwrap();
     point.fitted.hypothesis.additions.push(addition);
     let (delta, name) = ((sure, sure + 10.0), String::new());
-    Candidate { name, point, delta, foretold: None, validation: None, refused: None }
+    Candidate { name, point, delta, delta_validation: None, validation: None, refused: None }
 }
 
 /// Linear law at a port, without numbers; `follows` is what is said of it.

@@ -110,9 +110,7 @@ impl<'a> Search<'a> {
         // Otherwise the law stands.
         let Ok(scored) = scored.map(|point| search(&point)) else { return self.push(round) };
         let second = compete(&part.point, &part.point.fitted.hypothesis, &scored);
-        let is_simple =
-            |c: &&Candidate| matches!(c.addition().follows, Follows::Nothing | Follows::Driver(_));
-        let both = second.winner().filter(is_simple).map(|next| part.sure() + next.sure());
+        let both = second.winner().filter(|next| next.is_simple()).map(|next| part.sure() + next.sure());
         if both.is_none_or(|both| both < law - ALIKE) {
             return self.push(round);
         }

@@ -26,21 +26,21 @@ fn explained(experiment: &Experiment) -> (f64, f64, Option<f64>) {
     assert_eq!(hypothesis.additions[0].port, Port::DragTorque);
     let with = Linearization::judged(&setup, setup.fit(hypothesis, &[0]).unwrap(), &[0]).unwrap();
     let of_fit = before.evidence.cost().0 - with.evidence.cost().0;
-    (of_fit, with.explains(&before).0, with.foretells(&before))
+    (of_fit, with.explains(&before).0, with.delta_validation(&before))
 }
 
 #[test]
-fn a_validation_run_with_the_effect_foretells_it() {
-    let (of_fit, of_all, foretold) = explained(&experiment(Role::Validate, |_| ()));
-    let foretold = foretold.unwrap();
-    assert!(of_fit > NEAR && foretold > NEAR, "{of_fit} {foretold}");
-    assert!((of_all - of_fit - foretold).abs() < 1e-6 * of_all, "{of_all} {of_fit} {foretold}");
+fn a_validation_run_with_the_effect_confirms_it() {
+    let (of_fit, of_all, of_validation) = explained(&experiment(Role::Validate, |_| ()));
+    let of_validation = of_validation.unwrap();
+    assert!(of_fit > NEAR && of_validation > NEAR, "{of_fit} {of_validation}");
+    assert!((of_all - of_fit - of_validation).abs() < 1e-6 * of_all, "{of_all} {of_fit} {of_validation}");
 }
 
-/// The zero of a thermometer may differ in each run: a validation run with a moved thermometer speaks for an offset in all runs with less than a
-/// tenth of the weight of its readings.
+/// The zero of a thermometer may differ in each run: a validation run with a moved thermometer lowers -2 ln p of an offset in all runs by
+/// less than a tenth of the decrease of chi square.
 #[test]
-fn a_moved_thermometer_hardly_foretells_an_offset() {
+fn a_moved_thermometer_hardly_confirms_an_offset() {
     let experiment = experiment(Role::Validate, |experiment| {
         let winding = experiment.inputs.len() + 2;
         experiment.runs[0].table.columns[winding].iter_mut().for_each(|x| *x += testing::NOISE);
@@ -57,8 +57,8 @@ fn a_moved_thermometer_hardly_foretells_an_offset() {
     let fall = error(&fitted.hypothesis) - error(&hypothesis);
     let without = Linearization::judged(&setup, fitted, &[0]).unwrap();
     let with = Linearization::judged(&setup, setup.judged(hypothesis, &[0]).unwrap(), &[0]).unwrap();
-    let foretold = with.foretells(&without).unwrap();
-    assert!(fall > 200.0 && foretold < 0.1 * fall, "{fall} {foretold}");
+    let of_validation = with.delta_validation(&without).unwrap();
+    assert!(fall > 200.0 && of_validation < 0.1 * fall, "{fall} {of_validation}");
 }
 
 #[test]
@@ -67,13 +67,16 @@ fn a_validation_run_without_the_effect_refutes_it() {
         let preset = Setup::new(experiment, &[]).unwrap().preset().declared;
         testing::read(experiment, &preset, None);
     };
-    let (of_fit, of_all, foretold) = explained(&experiment(Role::Validate, without));
-    assert!(of_fit > NEAR && foretold.unwrap() < -NEAR && of_all < of_fit, "{of_fit} {of_all} {foretold:?}");
+    let (of_fit, of_all, of_validation) = explained(&experiment(Role::Validate, without));
+    assert!(
+        of_fit > NEAR && of_validation.unwrap() < -NEAR && of_all < of_fit,
+        "{of_fit} {of_all} {of_validation:?}"
+    );
 }
 
 /// Test data have no influence on a choice.
 #[test]
 fn without_validation_runs_the_fit_runs_decide() {
-    let (of_fit, of_all, foretold) = explained(&experiment(Role::Test, |_| ()));
-    assert!(foretold.is_none() && of_all == of_fit);
+    let (of_fit, of_all, of_validation) = explained(&experiment(Role::Test, |_| ()));
+    assert!(of_validation.is_none() && of_all == of_fit);
 }

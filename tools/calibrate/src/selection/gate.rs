@@ -49,27 +49,27 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     if let Some(sentence) = implausible(before, candidate) {
         return Ok(Judged::refused(sentence));
     }
-    let foretold = validation(before, candidate)?;
-    let validation = foretold.map(|f| (f.with / f.without).sqrt());
+    let validated = validation(before, candidate)?;
+    let validation = validated.map(|v| v.ratio());
     // A null model with a great memory leaves little of the density; a mean square error that halves needs no other measure.
-    let is_halved = foretold.is_some_and(|f| f.with < LARGE * f.without);
-    let of_density = foretold.and_then(|f| f.density).filter(|gain| *gain < NEAR && !is_halved).map(|gain| {
+    let is_halved = validated.is_some_and(|v| v.with < LARGE * v.without);
+    let of_density = validated.and_then(|v| v.density).filter(|gain| *gain < NEAR && !is_halved).map(|gain| {
         format!(
             "the validation runs are hardly predicted better: -2 ln p falls by {gain:.1}; {NEAR} is asked for"
         )
     });
     // Held-out parts have no null model of their own.
-    let of_parts = foretold.filter(|f| f.density.is_none()).and_then(|f| {
-        let ratio = (f.with / f.without).sqrt();
+    let of_parts = validated.filter(|v| v.density.is_none()).and_then(|v| {
+        let ratio = v.ratio();
         let how = if ratio < 1.0 { "hardly predicted better" } else { "predicted worse" };
-        (ratio >= 1.0 - STRUCTURE || f.fall < NEAR).then(|| {
+        (ratio >= 1.0 - STRUCTURE || v.fall < NEAR).then(|| {
             format!(
                 "what was not fitted is {how}: {ratio:.3} times the error without it, chi square falls by {:.1}; {NEAR} is asked for",
-                f.fall
+                v.fall
             )
         })
     });
-    let of_output = foretold.and_then(|f| f.worse).map(|(output, ratio)| {
+    let of_output = validated.and_then(|v| v.worse).map(|(output, ratio)| {
         let channel = before.setup.experiment.outputs[output].column;
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
@@ -167,6 +167,11 @@ struct Validated {
 }
 
 impl Validated {
+    /// Ratio of validation errors with and without the candidate.
+    fn ratio(self) -> f64 {
+        (self.with / self.without).sqrt()
+    }
+
     /// From the outputs with and without a candidate.
     fn new(setup: &Setup, runs: &[usize], shown: [&[Shown]; 2], candidate: &Candidate) -> Validated {
         let [with, without] = shown.map(|shown| setup.chi_squares(runs, shown));
@@ -203,7 +208,7 @@ fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Va
         let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
         let shown = judge.show(&with, &runs)?;
         if !partly || active {
-            let density = candidate.point.foretells(before);
+            let density = candidate.point.delta_validation(before);
             return Ok(Some(Validated {
                 density,
                 ..Validated::new(setup, &runs, [&shown, &without], candidate)
@@ -242,8 +247,8 @@ pub fn predicts_where_it_acts(before: &Linearization, candidate: &Candidate) -> 
     let with = by_output(&runs, &setup.show(&candidate.point.fitted.hypothesis, &runs)?);
     let whole: f64 = explained.iter().sum();
     let ratio = |k: usize| if without[k] > 0.0 { with[k] / without[k] } else { 1.0 };
-    let foretold: f64 = explained.iter().enumerate().map(|(k, own)| own / whole * ratio(k)).sum();
-    Ok(foretold < (1.0 - STRUCTURE).powi(2))
+    let predicted: f64 = explained.iter().enumerate().map(|(k, own)| own / whole * ratio(k)).sum();
+    Ok(predicted < (1.0 - STRUCTURE).powi(2))
 }
 
 #[cfg(test)]

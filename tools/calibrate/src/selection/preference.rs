@@ -72,7 +72,7 @@ fn oddity(addition: &Addition) -> usize {
     ODDITIES.iter().filter(|is_odd| is_odd(addition)).count()
 }
 
-/// A law at another port over another driver that cannot be told apart from the `k`-th candidate, a listed effect: the law is the weaker
+/// A law at another port over another driver that cannot be distinguished from the `k`-th candidate, a listed effect: the law is the weaker
 /// statement.
 pub fn law_elsewhere(point: &Linearization, candidates: &mut [Candidate], k: usize) -> Option<usize> {
     let own = &candidates[k];
