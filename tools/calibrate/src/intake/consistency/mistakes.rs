@@ -61,6 +61,27 @@ impl Mistake {
         }
     }
 
+    /// Whether the readings permit it: those of a heated ambient sensor rise and fall with a temperature of the motor, so that a common
+    /// fraction of its change explains more of their change than it leaves.
+    pub fn is_permitted(&self, experiment: &Experiment, runs: &[usize]) -> bool {
+        let Mistake::Heated(ambient) = self else { return true };
+        let inputs = experiment.inputs.len();
+        let thermometers = experiment.outputs.iter().enumerate().filter(|(_, one)| one.is_temperature());
+        thermometers.map(|(k, _)| inputs + k).any(|motor| {
+            let (mut own, mut both, mut heating) = (0.0, 0.0, 0.0);
+            for columns in runs.iter().map(|run| &experiment.runs[*run].table.columns) {
+                let pairs = || columns[*ambient].iter().zip(&columns[motor]);
+                let Some((x0, z0)) = pairs().find(|(x, z)| x.is_finite() && z.is_finite()) else { continue };
+                for (x, z) in pairs().map(|(x, z)| (x - x0, z - z0)).filter(|(x, z)| (x + z).is_finite()) {
+                    own += x * x;
+                    both += x * z;
+                    heating += z * z;
+                }
+            }
+            both > 0.0 && 2.0 * both * both > own * heating
+        })
+    }
+
     /// Corrects it in some runs.
     pub fn apply(&self, experiment: &mut Experiment, runs: &[usize]) {
         let ambients: Vec<Vec<f64>> =
@@ -272,4 +293,37 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+
+    /// The temperature of a room that follows the motor may be that of a heated sensor; one that falls or returns while the motor warms up
+    /// is not.
+    #[test]
+    fn a_heated_ambient_sensor_follows_the_motor() {
+        let rise = |k: usize| 30.0 * (1.0 - (-(k as f64) / 200.0).exp());
+        let permitted = |ambient: &dyn Fn(usize) -> f64| {
+            let mut experiment = testing::experiment("", true);
+            let inputs = experiment.inputs.len();
+            let table = &mut experiment.runs[0].table;
+            table.time = (0..600).map(|k| k as f64).collect();
+            for (k, channel) in experiment.inputs.iter().chain(&experiment.outputs).enumerate() {
+                let of = |row: usize| match channel.is_temperature() {
+                    true if k < inputs => 296.0 + ambient(row),
+                    true => 296.0 + rise(row),
+                    false => 1.0,
+                };
+                table.columns[k] = (0..600).map(of).collect();
+            }
+            let column = experiment.inputs.iter().position(|c| c.is_temperature()).unwrap();
+            Mistake::Heated(column).is_permitted(&experiment, &[0])
+        };
+        assert!(permitted(&|k| 0.5 * rise(k)));
+        assert!(permitted(&|k| 0.5 * rise(k.saturating_sub(100))), "a sensor that lags");
+        assert!(!permitted(&|k| -0.1 * rise(k)));
+        assert!(!permitted(&|k| 2.0 * (k as f64 / 60.0).sin()));
+    }
 }

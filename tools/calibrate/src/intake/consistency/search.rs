@@ -144,6 +144,9 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
     };
     let before = [agreement(at, predicted, false), agreement(at, predicted, true)];
     let changed = |mistake: &Mistake| -> Option<Changed> {
+        if !mistake.is_permitted(at, judge.runs) {
+            return None;
+        }
         let mut data = at.clone();
         mistake.apply(&mut data, judge.runs);
         if !is_possible(&data, mistake) {
