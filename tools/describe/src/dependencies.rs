@@ -76,8 +76,25 @@ enum Known {
     Time,
 }
 
-/// Points for generic terms, with all effects and with some: an effect may replace the node that a driver belongs to.
-const ONCE: [Point; 2] = [POINTS[0], POINTS[2]];
+/// What is evaluated to determine the dependencies.
+struct Effort<'a> {
+    points: &'a [Point],
+    /// Greatest number of combinations of the modes.
+    combinations: usize,
+    /// Greatest number of values of a real variable: some within its limits, then these.
+    moves: usize,
+}
+
+impl Effort<'static> {
+    const FULL: Effort<'static> = Effort { points: &POINTS, combinations: usize::MAX, moves: GENERIC + 2 };
+    /// For generic terms: with all effects and with some, because an effect may replace the node that a driver belongs to; in the
+    /// combinations of cooling, drive, shaft and commutation of the motor. A law without a range moves with its driver everywhere.
+    const OF_TERMS: Effort<'static> =
+        Effort { points: &[POINTS[0], POINTS[2]], combinations: 144, moves: 1 };
+}
+
+/// Values of a variable within its limits at each point.
+const GENERIC: usize = 2;
 
 impl Dependencies {
     /// The dependencies of a model with these resources; the start values give the number of elements.
@@ -85,7 +102,7 @@ impl Dependencies {
         let declaration = (kind.declaration)();
         let resources = laws::without_ranges(resources);
         let Some(known) = Dependencies::known(declaration, starts) else {
-            return Dependencies::found(kind, &resources, starts, (&POINTS, usize::MAX));
+            return Dependencies::found(kind, &resources, starts, &Effort::FULL);
         };
         // Only numbers of elements among the start values change the set of variables.
         let counts = declaration.entries.iter().filter(|entry| declaration.is_dimension(entry));
@@ -93,7 +110,7 @@ impl Dependencies {
         if resources.is_empty() && usual {
             return known;
         }
-        let more = known.and(Dependencies::found(kind, &resources, starts, (&ONCE, OF_TERMS)));
+        let more = known.and(Dependencies::found(kind, &resources, starts, &Effort::OF_TERMS));
         // The elements that the stored dependencies have not are like those that they have.
         if usual { more } else { more.of_arrays(declaration) }
     }
@@ -101,7 +118,8 @@ impl Dependencies {
     /// The dependencies of a model without terms, determined at all points.
     pub fn of_all(kind: &ModelType) -> Dependencies {
         let points = [POINTS; TURNS].concat();
-        Dependencies::found(kind, &Resources::default(), &StartValues::default(), (&points, usize::MAX))
+        let effort = Effort { points: &points, ..Effort::FULL };
+        Dependencies::found(kind, &Resources::default(), &StartValues::default(), &effort)
     }
 
     /// The stored dependencies, and those of all points without repetition: the same unless the equations have changed.
@@ -109,7 +127,7 @@ impl Dependencies {
         let starts = StartValues::default();
         match Dependencies::known((kind.declaration)(), &starts) {
             Some(known) => {
-                known.and(Dependencies::found(kind, &Resources::default(), &starts, (&POINTS, usize::MAX)))
+                known.and(Dependencies::found(kind, &Resources::default(), &starts, &Effort::FULL))
             }
             None => Dependencies::of_all(kind),
         }
@@ -143,12 +161,12 @@ impl Dependencies {
         self
     }
 
-    /// The dependencies at these points in at most so many combinations of the modes.
+    /// The dependencies determined with this effort.
     fn found(
         kind: &ModelType,
         resources: &Resources,
         starts: &StartValues,
-        (points, most): (&[Point], usize),
+        effort: &Effort,
     ) -> Dependencies {
         let declaration = (kind.declaration)();
         let of_kind = |which: &dyn Fn(&Entry) -> bool| -> Vec<usize> {
@@ -174,14 +192,15 @@ impl Dependencies {
         let nothing = |entry: &usize| Unknown { entry: *entry, on: Vec::new(), on_time: false };
         let none =
             || -> Both { (at_once.iter().map(nothing).collect(), at_start.iter().map(nothing).collect()) };
-        let combinations = combinations(declaration, &choices, most);
+        let combinations = combinations(declaration, &choices, effort.combinations);
         let points = combinations.par_iter().enumerate().flat_map_iter(|(k, combination)| {
-            let points = points.iter().enumerate();
+            let points = effort.points.iter().enumerate();
             points.map(move |(turn, point)| (k, combination, *point, turn, Probe::new(k, turn)))
         });
         type Place<'a> = (usize, &'a Vec<(usize, f64)>, Point, usize, Probe);
         let look = |(place, combination, (scale, effects), turn, mut probe): Place| -> Both {
-            let limits = turn < POINTS.len();
+            // Repetitions of a point find nothing new at the limits.
+            let moves = if turn < POINTS.len() { effort.moves } else { effort.moves.min(GENERIC) };
             let (mut running, mut initial) = none();
             let mut model = (kind.new)();
             resources.give(model.as_mut());
@@ -227,7 +246,7 @@ impl Dependencies {
                     }
                 }
                 let point = || start.boxed_clone();
-                let note = Note { declaration, unknowns: &at_start, starts, limits };
+                let note = Note { declaration, unknowns: &at_start, starts, moves };
                 note.add(&mut initial, &decide, &mut probe, point, |m, time| m.start(time).is_ok(), START);
             }
             // A point away from rest, at which each input is varied alone.
@@ -245,7 +264,7 @@ impl Dependencies {
                     m.update();
                     true
                 };
-                let note = Note { declaration, unknowns: &at_once, starts, limits };
+                let note = Note { declaration, unknowns: &at_once, starts, moves };
                 note.add(&mut running, &move_at_once, &mut probe, point, settle, START);
             }
             (running, initial)
@@ -289,10 +308,6 @@ fn effects_of(declaration: &Declaration) -> Vec<&'static str> {
 
 /// Largest number of combinations that are all evaluated.
 const FEW: usize = 64;
-/// Largest number of combinations in which the dependencies that generic terms add are determined: those of cooling, drive, shaft and
-/// commutation of the motor.
-const OF_TERMS: usize = 144;
-
 /// Every combination of the items of the model's enumerations. If there are too many, the enumerations of effects, which do
 /// not interact, alternate: each of their items occurs in many combinations. So do the last of the others if there are more than `most`.
 fn combinations(declaration: &Declaration, choices: &[usize], most: usize) -> Vec<Vec<(usize, f64)>> {
@@ -330,8 +345,8 @@ struct Note<'a> {
     /// Entries that may change.
     unknowns: &'a [usize],
     starts: &'a StartValues,
-    /// Whether real parameters and inputs also move to their limits; there repetitions of a point find nothing new.
-    limits: bool,
+    /// Greatest number of values of a real variable or of time.
+    moves: usize,
 }
 
 impl Note<'_> {
@@ -400,26 +415,31 @@ impl Note<'_> {
 
     /// The values of a varied quantity.
     fn moves(&self, known: Known, probe: &mut Probe, point: impl Fn() -> Box<dyn Model>) -> Vec<f64> {
-        let entry = match known {
-            Known::Entry(k) | Known::State(_, k) => &self.declaration.entries[k],
-            Known::Time => return vec![START + probe.fraction(), START + 1e3 * probe.fraction()],
-        };
-        if let Known::State(..) = known {
-            let (value, way) = (point().get(entry.slot), 0.01 * entry.row.nominal);
-            // The last value is far enough to pass a limit, also for a temperature difference.
-            let far = if entry.row.relative { 300.0 } else { 60.0 * way };
-            return vec![value + way * probe.fraction(), value - way * probe.fraction(), value + far];
-        }
-        match entry.row.kind {
-            Kind::Enumeration(t) => t.items.iter().map(|i| f64::from(i.value)).collect(),
-            Kind::Boolean => vec![0.0, 1.0],
-            Kind::Integer => vec![entry.row.start - 1.0, entry.row.start + 1.0, entry.row.min, entry.row.max],
-            Kind::Real => {
-                let (one, other) = (probe.generic(entry, self.starts), probe.generic(entry, self.starts));
-                let limits = [entry.row.min, entry.row.max];
-                [one, other].into_iter().chain(limits.into_iter().filter(|_| self.limits)).collect()
+        let mut values = match known {
+            Known::Time => vec![START + probe.fraction(), START + 1e3 * probe.fraction()],
+            Known::State(_, k) => {
+                let entry = &self.declaration.entries[k];
+                let (value, way) = (point().get(entry.slot), 0.01 * entry.row.nominal);
+                // The last value is far enough to pass a limit, also for a temperature difference.
+                let far = if entry.row.relative { 300.0 } else { 60.0 * way };
+                vec![value + way * probe.fraction(), value - way * probe.fraction(), value + far]
             }
-        }
+            Known::Entry(k) => {
+                let entry = &self.declaration.entries[k];
+                let row = entry.row;
+                match row.kind {
+                    Kind::Enumeration(t) => return t.items.iter().map(|i| f64::from(i.value)).collect(),
+                    Kind::Boolean => return vec![0.0, 1.0],
+                    Kind::Integer => return vec![row.start - 1.0, row.start + 1.0, row.min, row.max],
+                    Kind::Real => {
+                        let [one, other] = [(); GENERIC].map(|()| probe.generic(entry, self.starts));
+                        vec![one, other, row.min, row.max]
+                    }
+                }
+            }
+        };
+        values.truncate(self.moves);
+        values
     }
 }
 
