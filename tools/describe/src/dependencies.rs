@@ -9,11 +9,13 @@
 
 mod known;
 mod laws;
+mod probe;
 
 use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit, Variability};
 use physics::model::{Declaration, Entry, Model, ModelType, Slot};
 use physics::resources::Resources;
+pub(crate) use probe::Probe;
 use rayon::prelude::*;
 
 /// Start time, s; late, so that a drift has become large enough to change a Boolean output.
@@ -76,25 +78,33 @@ enum Known {
     Time,
 }
 
+/// The values of a real variable that is varied.
+#[derive(Clone, Copy, PartialEq)]
+enum Values {
+    /// Two within its limits, and these.
+    All,
+    /// Two within its limits.
+    Within,
+    /// One within its limits, and the upper one, at which the smoothing of a sign shows; others where the model cannot be evaluated.
+    Two,
+}
+
 /// What is evaluated to determine the dependencies.
 struct Effort<'a> {
     points: &'a [Point],
     /// Greatest number of combinations of the modes.
     combinations: usize,
-    /// Greatest number of values of a real variable: some within its limits, then these.
-    moves: usize,
+    values: Values,
 }
 
 impl Effort<'static> {
-    const FULL: Effort<'static> = Effort { points: &POINTS, combinations: usize::MAX, moves: GENERIC + 2 };
+    const FULL: Effort<'static> = Effort { points: &POINTS, combinations: usize::MAX, values: Values::All };
     /// For generic terms: with all effects and with some, because an effect may replace the node that a driver belongs to; in the
-    /// combinations of cooling, drive, shaft and commutation of the motor. A law without a range moves with its driver everywhere.
+    /// combinations of cooling, drive, shaft and commutation of the motor. A law without a range
+    /// moves with its driver everywhere, so that fewer values show it.
     const OF_TERMS: Effort<'static> =
-        Effort { points: &[POINTS[0], POINTS[2]], combinations: 144, moves: 1 };
+        Effort { points: &[POINTS[0], POINTS[2]], combinations: 144, values: Values::Two };
 }
-
-/// Values of a variable within its limits at each point.
-const GENERIC: usize = 2;
 
 impl Dependencies {
     /// The dependencies of a model with these resources; the start values give the number of elements.
@@ -162,12 +172,7 @@ impl Dependencies {
     }
 
     /// The dependencies determined with this effort.
-    fn found(
-        kind: &ModelType,
-        resources: &Resources,
-        starts: &StartValues,
-        effort: &Effort,
-    ) -> Dependencies {
+    fn found(kind: &ModelType, resources: &Resources, starts: &StartValues, effort: &Effort) -> Dependencies {
         let declaration = (kind.declaration)();
         let of_kind = |which: &dyn Fn(&Entry) -> bool| -> Vec<usize> {
             indices(declaration, |e| which(e) && starts.shows(declaration, e))
@@ -200,7 +205,7 @@ impl Dependencies {
         type Place<'a> = (usize, &'a Vec<(usize, f64)>, Point, usize, Probe);
         let look = |(place, combination, (scale, effects), turn, mut probe): Place| -> Both {
             // Repetitions of a point find nothing new at the limits.
-            let moves = if turn < POINTS.len() { effort.moves } else { effort.moves.min(GENERIC) };
+            let values = if turn < POINTS.len() { effort.values } else { Values::Within };
             let (mut running, mut initial) = none();
             let mut model = (kind.new)();
             resources.give(model.as_mut());
@@ -246,7 +251,7 @@ impl Dependencies {
                     }
                 }
                 let point = || start.boxed_clone();
-                let note = Note { declaration, unknowns: &at_start, starts, moves };
+                let note = Note { declaration, unknowns: &at_start, starts, values };
                 note.add(&mut initial, &decide, &mut probe, point, |m, time| m.start(time).is_ok(), START);
             }
             // A point away from rest, at which each input is varied alone.
@@ -264,7 +269,7 @@ impl Dependencies {
                     m.update();
                     true
                 };
-                let note = Note { declaration, unknowns: &at_once, starts, moves };
+                let note = Note { declaration, unknowns: &at_once, starts, values };
                 note.add(&mut running, &move_at_once, &mut probe, point, settle, START);
             }
             (running, initial)
@@ -345,8 +350,7 @@ struct Note<'a> {
     /// Entries that may change.
     unknowns: &'a [usize],
     starts: &'a StartValues,
-    /// Greatest number of values of a real variable or of time.
-    moves: usize,
+    values: Values,
 }
 
 impl Note<'_> {
@@ -365,7 +369,11 @@ impl Note<'_> {
         };
         let Some(before) = read(point(), time) else { return };
         for &known in knowns {
+            let mut evaluated = 0;
             for value in self.moves(known, probe, &point) {
+                if evaluated == 2 && self.values == Values::Two && self.is_real(known) {
+                    break;
+                }
                 let mut model = point();
                 let mut at = time;
                 match known {
@@ -385,6 +393,7 @@ impl Note<'_> {
                     Known::Time => at = value,
                 }
                 let Some(after) = read(model, at) else { continue };
+                evaluated += 1;
                 for (unknown, _) in
                     found.iter_mut().zip(before.iter().zip(&after)).filter(|(_, (b, a))| a != b)
                 {
@@ -413,87 +422,35 @@ impl Note<'_> {
         Some(self.unknowns.iter().map(value).collect())
     }
 
+    fn is_real(&self, known: Known) -> bool {
+        matches!(known, Known::Entry(k) if self.declaration.entries[k].row.kind == Kind::Real)
+    }
+
     /// The values of a varied quantity.
     fn moves(&self, known: Known, probe: &mut Probe, point: impl Fn() -> Box<dyn Model>) -> Vec<f64> {
-        let mut values = match known {
-            Known::Time => vec![START + probe.fraction(), START + 1e3 * probe.fraction()],
-            Known::State(_, k) => {
-                let entry = &self.declaration.entries[k];
-                let (value, way) = (point().get(entry.slot), 0.01 * entry.row.nominal);
-                // The last value is far enough to pass a limit, also for a temperature difference.
-                let far = if entry.row.relative { 300.0 } else { 60.0 * way };
-                vec![value + way * probe.fraction(), value - way * probe.fraction(), value + far]
-            }
-            Known::Entry(k) => {
-                let entry = &self.declaration.entries[k];
-                let row = entry.row;
-                match row.kind {
-                    Kind::Enumeration(t) => return t.items.iter().map(|i| f64::from(i.value)).collect(),
-                    Kind::Boolean => return vec![0.0, 1.0],
-                    Kind::Integer => return vec![row.start - 1.0, row.start + 1.0, row.min, row.max],
-                    Kind::Real => {
-                        let [one, other] = [(); GENERIC].map(|()| probe.generic(entry, self.starts));
-                        vec![one, other, row.min, row.max]
-                    }
-                }
-            }
+        let entry = match known {
+            Known::Entry(k) | Known::State(_, k) => &self.declaration.entries[k],
+            Known::Time => return vec![START + probe.fraction(), START + 1e3 * probe.fraction()],
         };
-        values.truncate(self.moves);
-        values
-    }
-}
-
-/// Pseudo-random numbers, the same in every run: a hash of combination, point and count, because features of `rand` in a product
-/// crate would compile it twice.
-pub(crate) struct Probe(u64);
-
-impl Probe {
-    /// The numbers of one point of one combination, independent of the order of evaluation.
-    pub(crate) fn new(combination: usize, point: usize) -> Probe {
-        Probe((combination as u64) << 40 | (point as u64) << 32)
-    }
-
-    /// A fraction between 0.05 and 0.95: SplitMix64 (Steele, Lea, Flood 2014).
-    pub(crate) fn fraction(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) as f64 / u64::MAX as f64).clamp(0.05, 0.95)
-    }
-
-    /// About half of these, at random.
-    fn half_of(&mut self, all: &[&'static str]) -> Vec<&'static str> {
-        all.iter().copied().filter(|_| self.fraction() < 0.5).collect()
-    }
-
-    /// Changes every state of a started model by a fraction of its nominal value; false if it has no derivatives there.
-    pub(crate) fn push(&mut self, model: &mut dyn Model, count: usize) -> bool {
-        let declaration = model.declaration();
-        let mut states = vec![0.0; count];
-        model.read_states(&mut states);
-        for (state, [entry, _]) in states.iter_mut().zip(&declaration.states) {
-            *state += 0.1 * self.fraction() * declaration.entries[*entry].row.nominal;
-        }
-        model.write_states(&states);
-        model.update();
-        model.derivatives(&mut states).is_ok()
-    }
-
-    /// A value within the limits, of nominal size, different from the start value; integers and enumerations at their start.
-    pub(crate) fn generic(&mut self, entry: &Entry, starts: &StartValues) -> f64 {
         let row = entry.row;
+        if let Known::State(..) = known {
+            let (value, way) = (point().get(entry.slot), 0.01 * row.nominal);
+            // The last value is far enough to pass a limit, also for a temperature difference.
+            let far = if row.relative { 300.0 } else { 60.0 * way };
+            return vec![value + way * probe.fraction(), value - way * probe.fraction(), value + far];
+        }
         match row.kind {
+            Kind::Enumeration(t) => t.items.iter().map(|i| f64::from(i.value)).collect(),
+            Kind::Boolean => vec![0.0, 1.0],
+            Kind::Integer => vec![row.start - 1.0, row.start + 1.0, row.min, row.max],
             Kind::Real => {
-                let base = if row.start == 0.0 { row.nominal } else { row.start };
-                let value = base * (0.7 + 0.6 * self.fraction());
-                if (row.min..=row.max).contains(&value) {
-                    value
-                } else {
-                    row.min + (row.max - row.min) * self.fraction()
+                let [one, other] = [(); 2].map(|()| probe.generic(entry, self.starts));
+                match self.values {
+                    Values::All => vec![one, other, row.min, row.max],
+                    Values::Within => vec![one, other],
+                    Values::Two => vec![one, row.max, other, row.min],
                 }
             }
-            _ => starts.of(entry),
         }
     }
 }
