@@ -79,14 +79,14 @@ enum Known {
 }
 
 /// The values of a real variable that is varied.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 enum Values {
     /// Two within its limits, and these.
     All,
     /// Two within its limits.
     Within,
-    /// One within its limits, and the upper one, at which the smoothing of a sign shows; others where the model cannot be evaluated.
-    Two,
+    /// One within its limits, and these, where the smoothing of a sign shows.
+    OneAndLimits,
 }
 
 /// What is evaluated to determine the dependencies.
@@ -101,9 +101,9 @@ impl Effort<'static> {
     const FULL: Effort<'static> = Effort { points: &POINTS, combinations: usize::MAX, values: Values::All };
     /// For generic terms: with all effects and with some, because an effect may replace the node that a driver belongs to; in the
     /// combinations of cooling, drive, shaft and commutation of the motor. A law without a range
-    /// moves with its driver everywhere, so that fewer values show it.
+    /// moves with its driver everywhere, so that one value within the limits shows it.
     const OF_TERMS: Effort<'static> =
-        Effort { points: &[POINTS[0], POINTS[2]], combinations: 144, values: Values::Two };
+        Effort { points: &[POINTS[0], POINTS[2]], combinations: 144, values: Values::OneAndLimits };
 }
 
 impl Dependencies {
@@ -369,11 +369,7 @@ impl Note<'_> {
         };
         let Some(before) = read(point(), time) else { return };
         for &known in knowns {
-            let mut evaluated = 0;
             for value in self.moves(known, probe, &point) {
-                if evaluated == 2 && self.values == Values::Two && self.is_real(known) {
-                    break;
-                }
                 let mut model = point();
                 let mut at = time;
                 match known {
@@ -393,7 +389,6 @@ impl Note<'_> {
                     Known::Time => at = value,
                 }
                 let Some(after) = read(model, at) else { continue };
-                evaluated += 1;
                 for (unknown, _) in
                     found.iter_mut().zip(before.iter().zip(&after)).filter(|(_, (b, a))| a != b)
                 {
@@ -422,10 +417,6 @@ impl Note<'_> {
         Some(self.unknowns.iter().map(value).collect())
     }
 
-    fn is_real(&self, known: Known) -> bool {
-        matches!(known, Known::Entry(k) if self.declaration.entries[k].row.kind == Kind::Real)
-    }
-
     /// The values of a varied quantity.
     fn moves(&self, known: Known, probe: &mut Probe, point: impl Fn() -> Box<dyn Model>) -> Vec<f64> {
         let entry = match known {
@@ -448,7 +439,7 @@ impl Note<'_> {
                 match self.values {
                     Values::All => vec![one, other, row.min, row.max],
                     Values::Within => vec![one, other],
-                    Values::Two => vec![one, row.max, other, row.min],
+                    Values::OneAndLimits => vec![one, row.min, row.max],
                 }
             }
         }
