@@ -175,11 +175,6 @@ impl Addition {
         matches!(self.shape, Shape::Table { .. })
     }
 
-    /// Whether it adds a state.
-    pub fn is_store(&self) -> bool {
-        matches!(&self.shape, Shape::Listed { stores: true, .. })
-    }
-
     /// Number of parameters in the complexity penalty: half for each driver of a table, since neighbouring values are correlated.
     pub fn price(&self) -> f64 {
         let drivers = if let Shape::Table { axes, .. } = &self.shape { axes.len() as i32 } else { 0 };
