@@ -40,6 +40,21 @@ pub struct Warm {
     readings: Vec<f64>,
 }
 
+/// Initial values of the fast states of a run, current and speed, in SI units: the readings in its first row. A motor that is already running
+/// there would otherwise start at rest. Values in `[set]` replace them, and readings that are missing leave the model's start value.
+pub fn measured<'a>(experiment: &'a Experiment, run: &'a Run) -> impl Iterator<Item = (Slot, f64)> + 'a {
+    let declaration = physics::models::by_name(&experiment.model).map(|model| (model.declaration)());
+    let first = run.table.columns.iter().skip(experiment.inputs.len()).map(|column| column[0]);
+    let fast = experiment.outputs.iter().zip(first);
+    fast.filter(|(channel, reading)| !channel.is_temperature() && reading.is_finite()).filter_map(
+        move |(channel, reading)| {
+            let entry = declaration?.by_name(&format!("initial.{}", channel.output?))?;
+            let is_set = experiment.set.iter().any(|(name, _)| *name == entry.name);
+            (!is_set).then(|| (entry.slot, reading.clamp(entry.row.min, entry.row.max)))
+        },
+    )
+}
+
 /// The sensors of a run that starts at measured temperatures. If a node has several sensors, the first applies.
 pub fn sensors(experiment: &Experiment, run: &Run) -> Vec<Warm> {
     let mut all: Vec<Warm> = Vec::new();
@@ -218,6 +233,23 @@ mod tests {
             .into_iter()
             .map(|(slot, value)| (name(slot), value))
             .collect()
+    }
+
+    /// A motor that is running in the first row starts with the current of that row, unless `[set]` states another one.
+    #[test]
+    fn a_running_motor_does_not_start_at_rest() {
+        let mut running = crate::testing::driven_by(("voltage_V", 1.0, 90.0), &["current_A"], "", true);
+        let column = running.inputs.len();
+        let start = |experiment: &Experiment| {
+            let bench = Bench::new(experiment, &[]).unwrap();
+            let drive = Drive::new(experiment, &experiment.runs[0]).unwrap();
+            bench.run(&drive, &Override::default()).unwrap()[0][0]
+        };
+        assert_eq!(start(&running), 0.0, "no reading");
+        running.runs[0].table.columns[column][0] = 3.0;
+        assert_eq!(start(&running), 3.0);
+        running.set.push(("initial.current".to_string(), 1.0));
+        assert_eq!(start(&running), 1.0);
     }
 
     /// A motor that starts at 60 and 50 degC, with noise, and with a first reading that is wrong by 2 K.

@@ -300,7 +300,8 @@ impl Drive {
             same().any(|r| r.role == Role::Fit) && same().any(|r| r.priors.iter().any(|p| p.name == *name))
         };
         let set = run.set.iter().filter(|(name, _)| !is_unknown(name));
-        let set = set.filter_map(|(name, value)| Some((slot(name)?, *value))).collect();
+        let set = set.filter_map(|(name, value)| Some((slot(name)?, *value)));
+        let set = initial::measured(experiment, run).chain(set).collect();
         let warm = match run.start {
             Start::Measured => initial::sensors(experiment, run),
             Start::Ambient => Vec::new(),

@@ -152,7 +152,8 @@ pub(super) fn with_free(
     }
     let Ok(fitted) = setup.fit(setup.preset(), &runs) else { return Ok(None) };
     let value = fitted.hypothesis.declared[0];
-    Ok(Some((Cost::new(&setup, fitted, &runs)?, value, own)))
+    // The deadline may pass in its last simulation.
+    Ok(Cost::new(&setup, fitted, &runs).ok().map(|cost| (cost, value, own)))
 }
 
 /// The experiment with a prior for the parameter whose value in the preset contradicts the data most, and the cost then; `None` if there is
@@ -167,10 +168,9 @@ pub(super) fn released(
     let (setup, runs) = prepared(judge, experiment)?;
     let point = Linearization::judged(&setup, best.clone(), &runs).ok();
     let Some(own) = point.and_then(|point| undeclared::best(&point, LEAST)) else { return Ok(None) };
-    let cost = Cost::new(&own.setup, own.fitted, &runs)?;
-    if cost.is_cut {
+    let Some(cost) = Cost::new(&own.setup, own.fitted, &runs).ok().filter(|cost| !cost.is_cut) else {
         return Ok(None);
-    }
+    };
     let mut other = experiment.clone();
     other.released.push(own.name.clone());
     other.priors.push(Prior { name: own.name, deviation: Deviation::Relative(undeclared::DEVIATION) });
