@@ -37,7 +37,7 @@ mod unmeasured;
 use super::{Predicted, Unusable, sorted};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Experiment, Start};
+use crate::experiment::{Experiment, Run, Start};
 use crate::hypothesis::Hypothesis;
 use crate::levels::{CERTAIN, FACTOR, NEARLY, STRUCTURE};
 use crate::selection::LEAST;
@@ -140,6 +140,31 @@ fn worst(outputs: &[Option<(f64, f64)>]) -> f64 {
     outputs.iter().flatten().map(|(q, _)| *q).fold(0.0, f64::max)
 }
 
+/// Number of rows over which a run is averaged: at most `most` means, or more where the mean square of an input, and with it a loss, would
+/// fall by [`STRUCTURE`] of that in all runs: a load that alternates within such a time.
+fn length(experiment: &Experiment, run: &Run, most: usize) -> usize {
+    let square = |column: &[f64]| mean(column.iter().map(|x| x * x));
+    let is_kept = |length: usize, k: usize| {
+        let of_all = experiment.runs.iter().map(|run| square(&run.table.columns[k])).fold(0.0, f64::max);
+        let column = &run.table.columns[k];
+        let means: Vec<f64> = column.chunks(length).map(|part| mean(part.iter().copied())).collect();
+        square(column) - square(&means) <= STRUCTURE * of_all
+    };
+    let is_load = |k: &usize| !experiment.inputs[*k].is_temperature();
+    let mut length = run.table.time.len().div_ceil(most);
+    while length > 1 && !(0..experiment.inputs.len()).filter(is_load).all(|k| is_kept(length, k)) {
+        length = length.div_ceil(2);
+    }
+    length
+}
+
+/// Mean of the values that are numbers.
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) =
+        values.filter(|x| x.is_finite()).fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+    sum / count
+}
+
 /// The experiment with means over neighbouring rows: sufficient for detecting a mistake, and faster to simulate.
 pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
     let mut thin = experiment.clone();
@@ -153,19 +178,15 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
             }
         }
     }
-    for table in thin.runs.iter_mut().map(|r| &mut r.table) {
-        let length = table.time.len().div_ceil(most);
-        let mean = |column: &[f64]| -> Vec<f64> {
-            let of = |rows: &[f64]| {
-                let there: Vec<f64> = rows.iter().copied().filter(|x| x.is_finite()).collect();
-                there.iter().sum::<f64>() / there.len() as f64
-            };
-            column.chunks(length).map(of).collect()
+    let lengths: Vec<usize> = experiment.runs.iter().map(|run| length(experiment, run, most)).collect();
+    for (table, length) in thin.runs.iter_mut().map(|r| &mut r.table).zip(lengths) {
+        let means = |column: &[f64]| -> Vec<f64> {
+            column.chunks(length).map(|rows| mean(rows.iter().copied())).collect()
         };
-        table.columns = table.columns.iter().map(|c| mean(c)).collect();
+        table.columns = table.columns.iter().map(|c| means(c)).collect();
         // The start time of a run is preserved.
         let first = table.time[0];
-        table.time = mean(&table.time);
+        table.time = means(&table.time);
         table.time[0] = first;
     }
     thin

@@ -305,6 +305,21 @@ fn an_ambient_sensor_that_the_motor_heats_is_unusable() {
     assert_eq!(unusable(&mut warming), None, "{:?}", warming.notes);
 }
 
+/// A load that alternates from row to row heats the motor by its mean square, which means over rows do not have.
+#[test]
+fn an_alternating_load_is_no_wrong_unit() {
+    let gait = |columns: &mut [Vec<f64>]| {
+        columns[CURRENT].iter_mut().enumerate().for_each(|(k, i)| *i *= [0.2, 0.2, 0.2, 2.4, -1.4][k % 5]);
+    };
+    let mut alternating = with_inputs(17, gait);
+    assert_eq!(unusable(&mut alternating), None, "{:?}", alternating.notes);
+    let square = |x: &Experiment| x.runs[0].table.columns[CURRENT].iter().map(|i| i * i).sum::<f64>();
+    let rows = |x: &Experiment| x.runs[0].table.time.len();
+    let (constant, thin) = (experiment(17), consistency::thinned(&alternating, 100));
+    assert!(square(&thin) / rows(&thin) as f64 > 0.98 * square(&alternating) / rows(&alternating) as f64);
+    assert!(rows(&consistency::thinned(&constant, 100)) < rows(&thin));
+}
+
 /// No-load currents of a voltage drive are the small difference of two voltages: an error of 3 % in the torque constant changes the
 /// prediction by amperes. The priors include this, and the readings are used; without priors the sensor would be reported as dead.
 #[test]
