@@ -20,8 +20,9 @@ variables! {
 }
 
 impl Effect for DeadTime {
-    // Terminal voltages on a bench are measured downstream of the bridge, where this effect is not observable.
-    const CANDIDATES: &'static [Candidate] = &[];
+    // Seen where a duty drives the motor; a measured voltage is downstream of the bridge.
+    const CANDIDATES: &'static [Candidate] =
+        &[Candidate::on(Driver::Current, Port::TerminalVoltage, &["share"])];
     const EXAMPLE: &'static [f64] = &[0.01];
 
     #[inline]

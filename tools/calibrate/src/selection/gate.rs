@@ -4,6 +4,7 @@ use super::preference::is_sensor;
 use super::{Candidate, LEAST, NEAR, at_limit};
 use crate::CalibrateError;
 use crate::acting::acting;
+use crate::catalogue::LISTED;
 use crate::deadline::Deadline;
 use crate::experiment::Role;
 use crate::fit::Fitted;
@@ -11,6 +12,7 @@ use crate::intake::mean_square;
 use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, PART, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::setup::{Setup, Shown};
+use physics::terms::Port;
 
 /// Fraction of a run that is held out if the effect acts in no validation run. Source: Hastie, Tibshirani, Friedman, The Elements of
 /// Statistical Learning (2nd ed., 2009), sec. 7.2: typically a quarter for validation.
@@ -111,9 +113,16 @@ fn outweighs(before: &Linearization, with: &Linearization) -> bool {
 fn to_a_limit(before: &Linearization, candidate: &Candidate) -> Option<String> {
     let [before, with] = [before, &candidate.point].map(|point| &point.fitted.hypothesis.declared);
     let mut all = candidate.point.setup.declared.iter().zip(before.iter().zip(with));
-    let (own, (_, value)) =
-        all.find(|(own, (before, with))| own.is_inside(**before) && !own.is_inside(**with))?;
+    let (own, (_, value)) = all.find(|(own, (before, with))| {
+        let is_replaced = **with == 0.0 && is_size_at(&own.name, candidate.addition().port);
+        own.is_inside(**before) && !own.is_inside(**with) && !is_replaced
+    })?;
     Some(format!("{} reaches its limit {value:.4} {} with it", own.name, own.unit))
+}
+
+/// Whether a parameter is the size of a listed effect at this port: an effect there may be the right form of it, and leave nothing.
+fn is_size_at(parameter: &str, port: Port) -> bool {
+    LISTED.iter().any(|l| l.port == port && parameter == format!("effect.{}.{}", l.id, l.symbols[0]))
 }
 
 /// Sentence on a listed sensor effect that is smaller than the calibration accuracy.
@@ -254,6 +263,14 @@ pub fn predicts_where_it_acts(before: &Linearization, candidate: &Candidate) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn friction_may_be_replaced_by_another_form_of_it() {
+        assert!(is_size_at("effect.coulomb_friction.tau_c", Port::DragTorque));
+        assert!(!is_size_at("effect.coulomb_friction.tau_c", Port::HousingHeat));
+        assert!(!is_size_at("effect.coulomb_friction.w_small", Port::DragTorque));
+        assert!(!is_size_at("conductance.G_still", Port::HousingAmbientConductance));
+    }
 
     /// An output counts as worse by its ratio and by the number of independent readings behind it; an output without readings does not.
     #[test]

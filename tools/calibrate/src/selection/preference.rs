@@ -80,12 +80,13 @@ pub fn law_elsewhere(point: &Linearization, candidates: &mut [Candidate], k: usi
     candidates[law].judge(point).then_some(law)
 }
 
-/// Whether a law explains as much as a listed effect elsewhere, and is not less probable by itself.
+/// Whether a law of at most one present driver explains as much as a listed effect elsewhere, and is not less probable by itself.
 fn states_less(law: &Candidate, own: &Candidate) -> bool {
     let (a, b) = (law.addition(), own.addition());
     let shares_a_driver = a.follows.drivers().any(|driver| b.follows.drivers().any(|own| own == driver));
     let is_elsewhere = a.port != b.port && !shares_a_driver;
-    is_elsewhere && b.is_listed() && !a.is_listed() && oddity(a) == 0 && law.sure() > own.sure() - ALIKE
+    let is_usual = law.is_simple() && oddity(a) == 0;
+    is_elsewhere && b.is_listed() && !a.is_listed() && is_usual && law.sure() > own.sure() - ALIKE
 }
 
 #[cfg(test)]
@@ -118,6 +119,8 @@ mod tests {
         assert!(!states_less(&over(Driver::Speed, 250.0), &named));
         assert!(!states_less(&heat(Follows::Both(Driver::Current, Driver::Speed), 250.0), &named));
         assert!(!states_less(&heat(Follows::Late(Driver::CopperLoss), 250.0), &named));
+        // An additional state is no weaker statement.
+        assert!(!states_less(&heat(Follows::Late(Driver::Current), 160.0), &named));
         assert!(!states_less(&of(law(Port::DragTorque, Follows::Driver(Driver::Current)), 250.0), &named));
         assert!(!states_less(&named, &over(Driver::Current, 160.0)));
     }
