@@ -114,6 +114,20 @@ fn a_verdict_of_nothing_follows_the_errors() {
     );
 }
 
+/// A verdict with an effect says what the repaired model leaves of the fit runs.
+#[test]
+fn a_verdict_states_what_remains() {
+    let mut outcome = sample::outcome(Verdict::Named);
+    assert!(!text::verdict(&outcome).contains("does not explain all"), "{}", text::verdict(&outcome));
+    let fit = outcome.errors.iter_mut().find(|e| e.role == Role::Fit).unwrap();
+    fit.after = 12.0 * fit.floor;
+    let sentence = text::verdict(&outcome);
+    assert!(
+        sentence.contains("does not explain all of it: the error of voltage on the fit data is 12"),
+        "{sentence}"
+    );
+}
+
 /// An effect without alternatives is no part of a class.
 #[test]
 fn a_class_excludes_effects_without_alternatives() {

@@ -164,8 +164,19 @@ pub fn found(effect: &Found) -> String {
     format!("{name}{sizes}{runs}")
 }
 
-/// The verdict in one sentence.
+/// The verdict in one sentence, and a second one if a large deviation remains in the fit runs of a repaired model.
 pub fn verdict(outcome: &Outcome) -> String {
+    let sentence = lacks(outcome);
+    let is_repaired = matches!(outcome.verdict, Verdict::Named | Verdict::Class | Verdict::Unexplained);
+    match is_repaired.then(|| unexplained_error(outcome, Role::Fit)).flatten() {
+        Some(error) => format!(
+            "{sentence} The repaired model does not explain all of it: {error}. Another effect or a mistake in the data remains."
+        ),
+        None => sentence,
+    }
+}
+
+fn lacks(outcome: &Outcome) -> String {
     let effects: Vec<String> = outcome.effects.iter().map(found).collect();
     match outcome.verdict {
         Verdict::Named => format!("the model lacks {}.", list(&effects, "and")),
@@ -215,18 +226,24 @@ fn nothing(outcome: &Outcome) -> String {
         true => "the time budget ended the search before an effect was found (--budget sets another one)",
         false => "no missing effect is detected",
     };
-    let of = |role: Role| outcome.errors.iter().filter(move |e| e.role == role && e.floor > 0.0);
-    let role = if of(Role::Test).count() > 0 { Role::Test } else { Role::Validate };
-    let worst = of(role).max_by(|a, b| (a.after / a.floor).total_cmp(&(b.after / b.floor)));
-    match worst.map(|e| (e, e.after / e.floor)).filter(|(_, ratio)| *ratio > EXPLAINED) {
-        Some((e, ratio)) => format!(
-            "{effect}, and the fitted parameters do not explain the data: the error of {} on the {} data is {} times the noise.",
-            Channel::of(e.column).map_or_else(|| plain(e.column), |c| plain(c.quantity())),
-            calibrate::report::role_name(role),
-            number(ratio)
-        ),
+    let is_tested = outcome.errors.iter().any(|e| e.role == Role::Test && e.floor > 0.0);
+    match unexplained_error(outcome, if is_tested { Role::Test } else { Role::Validate }) {
+        Some(error) => format!("{effect}, and the fitted parameters do not explain the data: {error}."),
         None => format!("{effect}; other parameter values explain the differences."),
     }
+}
+
+/// The greatest error of the final model relative to the noise, if it is above [`EXPLAINED`].
+fn unexplained_error(outcome: &Outcome, role: Role) -> Option<String> {
+    let of = outcome.errors.iter().filter(|e| e.role == role && e.floor > 0.0);
+    let ratios = of.map(|e| (e, e.after / e.floor)).filter(|(_, ratio)| *ratio > EXPLAINED);
+    let (e, ratio) = ratios.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(format!(
+        "the error of {} on the {} data is {} times the noise",
+        Channel::of(e.column).map_or_else(|| plain(e.column), |c| plain(c.quantity())),
+        calibrate::report::role_name(role),
+        number(ratio)
+    ))
 }
 
 /// The sentence on what no listed effect explains.
