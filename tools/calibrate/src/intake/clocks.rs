@@ -90,7 +90,7 @@ pub fn check(
 ) -> Result<Option<Unusable>, CalibrateError> {
     for _ in 0..experiment.outputs.len() {
         let thin = thinned(experiment, ROWS);
-        let Some(shift) = search(&thin, preset, deadline)? else { return Ok(None) };
+        let Some(shift) = search(&thin, row(experiment), preset, deadline)? else { return Ok(None) };
         let words = |column: &str| {
             let side = if shift.late > 0.0 { "late" } else { "early" };
             let (a, b) = (shift.interval.0.abs(), shift.interval.1.abs());
@@ -136,6 +136,13 @@ fn squares(setup: &Setup, runs: &[usize], fitted: &Hypothesis) -> Option<Vec<f64
     Some(setup.rmse(runs, &shown).into_iter().map(|x| x * x).collect())
 }
 
+/// Usual interval between two rows of the fit runs, s.
+fn row(experiment: &Experiment) -> f64 {
+    let fit = experiment.of_role(Role::Fit);
+    let times = fit.iter().map(|r| &experiment.runs[*r].table.time);
+    median(times.flat_map(|time| time.windows(2).map(|w| w[1] - w[0])))
+}
+
 /// Grid of shifts of both signs.
 fn grid(step: f64, most: f64, ratio: f64) -> Vec<f64> {
     let mut all = Vec::new();
@@ -163,9 +170,10 @@ fn with_moved(experiment: &Experiment, who: Who, late: f64) -> Experiment {
     changed
 }
 
-/// The clock offset, if one is significant.
+/// The clock offset, if one is significant; `row` is the interval between the rows of the files, s.
 fn search(
     experiment: &Experiment,
+    row: f64,
     preset: &[(u32, f64)],
     deadline: &Deadline,
 ) -> Result<Option<Shift>, CalibrateError> {
@@ -179,8 +187,8 @@ fn search(
     if !is_noisy || deadline.is_near() {
         return Ok(None);
     }
+    let step = self::row(experiment);
     let tables = || fit.iter().map(|r| &experiment.runs[*r].table);
-    let step = median(tables().flat_map(|t| t.time.windows(2).map(|w| w[1] - w[0])));
     let longest = tables().map(|t| t.time[t.time.len() - 1] - t.time[0]).fold(0.0, f64::max);
     let most = FARTHEST * longest;
     let points: Vec<About> = [as_is.hypothesis.clone(), setup.preset()]
@@ -199,6 +207,8 @@ fn search(
         }
         confirmed.extend(judge.confirmed(shift, preset, &as_is, &before, &validate));
     }
+    // What an input does between two rows is not measured: one that steps there acts up to an interval early or late.
+    confirmed.retain(|s| matches!(s.who, Who::Output(_)) || s.late.abs() > row);
     confirmed.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let Some(best) = confirmed.first().copied() else { return Ok(None) };
     // If an input explains it equally well, the output is not set aside.

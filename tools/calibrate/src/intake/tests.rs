@@ -74,6 +74,19 @@ fn good_data_are_used_as_they_are() {
     }
 }
 
+/// What an input does between two rows is not measured: one that acts half an interval early or late is no fault of a clock.
+#[test]
+fn a_shift_within_a_row_is_no_offset_of_a_clock() {
+    for seconds in [-1.4, 1.4] {
+        let mut within = experiment(21);
+        (VOLTAGE..=HOUSING).for_each(|k| late(&mut within, k, seconds));
+        assert_eq!(unusable(&mut within), None, "{seconds}: {:?}", within.notes);
+        let mut beyond = experiment(21);
+        (VOLTAGE..=HOUSING).for_each(|k| late(&mut beyond, k, 10.0 * seconds));
+        assert!(unusable(&mut beyond).is_some(), "{seconds}");
+    }
+}
+
 /// Outliers next to steps of the current, next to each other, of both signs, in the first and the last row, small and large.
 #[test]
 fn wild_readings_are_set_aside_wherever_they_stand() {
