@@ -9,14 +9,18 @@
 /// `sum`, `factor`, `chain` (each effect gets the result of the one before as first argument) and `least` combine the effects. A
 /// method without a port belongs to the port before it. A derivative is with respect to the first argument. `as` names the port of
 /// terms that are data ([`terms::Port`](crate::terms::Port)): name in files, unit of a value, and the driver that is evaluated within a
-/// step; the others are constant over a step.
+/// step; the others are constant over a step, except at ports that get all drivers.
 macro_rules! ports {
     ($then:ident $($with:tt)*) => { $then! { ($($with)*)
         /// A torque against the motion at speed `w`, rad/s: N.m, with the sign of `w`. Its power heats the housing.
-        [DragTorque as DragTorque "drag_torque" NewtonMetre of Speed]
-            sum drag_torque [D: Number] (w: D) -> D, derivative [drag_torque_slope];
+        [DragTorque] sum drag_torque [D: Number] (w: D) -> D, derivative [drag_torque_slope];
         /// The part of [`drag_torque`](Effect::drag_torque) that arises in the iron, N.m.
         [] sum iron_drag [] (w: f64) -> f64, derivative [];
+        /// A torque against the motion that follows `drivers`, with `x` in place of the driver `live`: N.m, as
+        /// [`drag_torque`](Effect::drag_torque).
+        [DrivenDrag as DragTorque "drag_torque" NewtonMetre of Speed]
+            sum driven_drag [D: Number] (x: D, live: Driver, drivers: &Drivers) -> D,
+            derivative [driven_drag_slope];
         /// A torque against the motion at speed `w`, rad/s, with the magnets at `t`, K: N.m, as [`drag_torque`](Effect::drag_torque).
         [WarmDrag] sum warm_drag [D: Number] (w: D, t: f64) -> D, derivative [warm_drag_slope];
         /// A torque against the motion per newton metre of shaft torque on the load: with the sign of `w`
@@ -24,8 +28,12 @@ macro_rules! ports {
         [LoadDrag] sum load_drag [D: Number] (w: D, tau: f64) -> D, derivative [load_drag_slope];
         /// Voltage drop between terminals and winding at current `i`, A: V, with the sign of `i`. Its power heats
         /// the winding.
-        [TerminalVoltage as TerminalVoltage "terminal_voltage" Volt of Current]
-            sum terminal_voltage [D: Number] (i: D) -> D, derivative [terminal_voltage_slope];
+        [TerminalVoltage] sum terminal_voltage [D: Number] (i: D) -> D, derivative [terminal_voltage_slope];
+        /// Voltage drop between terminals and winding that follows `drivers`, with `x` in place of the driver `live`: V, as
+        /// [`terminal_voltage`](Effect::terminal_voltage).
+        [DrivenVoltage as TerminalVoltage "terminal_voltage" Volt of Current]
+            sum driven_voltage [D: Number] (x: D, live: Driver, drivers: &Drivers) -> D,
+            derivative [driven_voltage_slope];
         /// Voltage drop of the drive's bridge at current `i`, A (drive_mode pwm): V, with the sign of `i`. Its power heats
         /// ambient.
         [Bridge] sum bridge_voltage [D: Number] (i: D) -> D, derivative [bridge_voltage_slope];
@@ -34,15 +42,19 @@ macro_rules! ports {
         [] sum missed_voltage [D: Number] (i: D, supply: f64) -> D, derivative [missed_voltage_slope];
         /// Mean square of the current's ripple, A2 (drive_mode pwm), which heats the winding.
         [Ripple] sum ripple_square [] (duty: f64, supply: f64, inductance: f64) -> f64, derivative [];
-        /// Multiplies the winding's resistance; positive.
+        /// Multiplies the winding's resistance, with `x` in place of the driver `live`; positive.
         [WindingResistance as WindingResistance "winding_resistance" One]
-            factor winding_resistance [] () -> f64, derivative [];
+            factor winding_resistance [D: Number] (x: D, live: Driver, drivers: &Drivers) -> D,
+            derivative [winding_resistance_slope];
         /// Multiplies the torque constant at `time`, s. As a function of time it changes in steps at
         /// [`next_event`](Effect::next_event) only.
-        [TorqueConstant as TorqueConstant "torque_constant" One]
-            factor torque_constant [] (time: f64) -> f64, derivative [];
+        [TorqueConstant] factor torque_constant [] (time: f64) -> f64, derivative [];
         /// The first time after `time` at which a port is discontinuous, s; infinite if there is none.
         [] least next_event [] (time: f64) -> f64, derivative [];
+        /// Multiplies the torque constant, with `x` in place of the driver `live`; positive.
+        [DrivenTorqueConstant as TorqueConstant "torque_constant" One]
+            factor driven_torque_constant [D: Number] (x: D, live: Driver, drivers: &Drivers) -> D,
+            derivative [driven_torque_constant_slope];
         /// Additional heat in the winding, W, besides its current's.
         [WindingHeat as WindingHeat "winding_heat" Watt] sum winding_heat [] () -> f64, derivative [];
         /// Heat in the housing at `t_h`, K, taken from ambient, W.

@@ -204,3 +204,90 @@ fn lags_are_of_second_order_exchanged_and_saved() {
     assert!(m.restore(&saved));
     assert_eq!(after(&mut m, 50, 50, 1.0), once);
 }
+
+/// A table over a driver, bent in the middle.
+fn bent(driver: Driver, ends: [f64; 2], values: [f64; 3]) -> Law {
+    let middle = 0.4 * ends[0] + 0.6 * ends[1];
+    Law::Table(Table::new(driver, &[ends[0], middle, ends[1]], &values).unwrap())
+}
+
+/// Current and speed settle within milliseconds. At the end of longer steps they belong to the present values of a term, so that the
+/// derivatives that the motor gives are those of its states: for each law form at each port of current and speed, with and
+/// without lag, in each mode in which one of them is a state.
+#[test]
+fn derivatives_are_those_of_states_that_settle_within_a_step() {
+    let after = |tau: f64, driver: Driver, port: Port, law: Law| GenericTerm {
+        lag: Some(Lag { driver, tau }),
+        ..GenericTerm::new(port, law)
+    };
+    let grid = |drivers: [Driver; 2], rows: [f64; 2], columns: [f64; 2]| {
+        Law::Grid(Grid::new(drivers, [&rows, &columns], &[vec![-0.1, 0.4], vec![0.3, -0.2]]).unwrap())
+    };
+    let (t_w, t_h) = (Driver::WindingTemperature, Driver::HousingTemperature);
+    let terms = [
+        after(
+            2.0,
+            Driver::Current,
+            Port::WindingResistance,
+            bent(Driver::Current, [0.0, 30.0], [0.4, 0.0, 0.3]),
+        ),
+        GenericTerm::new(Port::WindingResistance, grid([Driver::Current, t_w], [0.0, 60.0], [290.0, 400.0])),
+        GenericTerm::new(Port::WindingResistance, power(t_w, 270.0, 60.0, 0.3)),
+        GenericTerm::new(Port::WindingResistance, power(Driver::Current, 0.0, 30.0, 0.8)),
+        after(0.5, Driver::Speed, Port::TerminalVoltage, bent(Driver::Speed, [0.0, 900.0], [0.0, 1.0, 0.2])),
+        GenericTerm::new(Port::TerminalVoltage, power(t_w, 250.0, 100.0, 2.0)),
+        GenericTerm::new(Port::TorqueConstant, grid([Driver::Time, t_w], [0.0, 3.0], [290.0, 400.0])),
+        after(1.0, Driver::CopperLoss, Port::TorqueConstant, power(Driver::CopperLoss, 0.0, 500.0, -0.1)),
+        GenericTerm::new(Port::TorqueConstant, power(Driver::Current, 0.0, 60.0, -0.2)),
+        GenericTerm::new(Port::DragTorque, power(t_w, 250.0, 100.0, 0.02)),
+        after(0.7, t_w, Port::DragTorque, power(t_w, 250.0, 100.0, 0.02)),
+        GenericTerm::new(Port::DragTorque, power(Driver::Current, 0.0, 10.0, 0.01)),
+        GenericTerm::new(Port::DragTorque, bent(Driver::Time, [0.0, 3.0], [0.0, 0.02, 0.01])),
+        after(0.3, t_h, Port::WindingHeat, power(t_h, 200.0, 100.0, 20.0)),
+        GenericTerm::new(Port::WindingHeat, power(Driver::Current, 0.0, 10.0, 5.0)),
+    ];
+    let h = 0.01;
+    for (drive, coupling) in [
+        (DriveMode::Voltage, MechanicalMode::ImposedSpeed),
+        (DriveMode::Voltage, MechanicalMode::FreeShaft),
+        (DriveMode::Pwm, MechanicalMode::ImposedSpeed),
+        (DriveMode::Current, MechanicalMode::FreeShaft),
+    ] {
+        for term in &terms {
+            let mut m = motor(drive, coupling);
+            assert!(m.set_terms(&[*term]));
+            m.parameters.effects.viscous_friction.k = 1e-3;
+            m.start(0.0).unwrap();
+            m.inputs.imposed_speed = 200.0;
+            for (name, value) in [("voltage", 12.0), ("duty", 0.8), ("current_command", 10.0)] {
+                assert!(m.set(m.declaration().by_name(name).unwrap().slot, value));
+            }
+            let mut next = |k: u32| {
+                let (mut states, mut rates) = (Vec::new(), Vec::new());
+                m.step(f64::from(k) * h, h).unwrap();
+                m.states(&mut states);
+                m.rates(&mut rates);
+                (states, rates)
+            };
+            // The first half second has the start of the rotor.
+            let rows: Vec<_> = (0..150).map(&mut next).skip(50).collect();
+            for s in 0..rows[0].0.len() {
+                let wrong = rows.windows(3).filter(|row| {
+                    let (given, measured) = (row[1].1[s], (row[2].0[s] - row[0].0[s]) / (2.0 * h));
+                    let size = given.abs().max(measured.abs()).max(1e-6 * row[1].0[s].abs());
+                    // A lag is a line over the step: its derivative may be half a step late.
+                    let late = 0.5 * (row[2].1[s] - row[0].1[s]).abs();
+                    (given - measured).abs() > 0.01 * size + late
+                });
+                // A bend of a table is between two of the rows.
+                let wrong: Vec<_> = wrong.collect();
+                assert!(
+                    wrong.len() <= 2,
+                    "{drive:?} {coupling:?} {term:?}: state {s}, {} rows: {:?}",
+                    wrong.len(),
+                    &wrong[0]
+                );
+            }
+        }
+    }
+}

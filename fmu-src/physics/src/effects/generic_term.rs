@@ -2,11 +2,11 @@
 //!
 //! With y the sum of `gain` times the values of the terms at a port:
 //!
-//! | port | effect of y | driver evaluated within a step |
+//! | port | effect of y | drivers evaluated within a step |
 //! |---|---|---|
-//! | drag_torque | y tanh(w / w_small), N.m: y > 0 brakes in both directions and heats the housing | speed |
-//! | terminal_voltage | y tanh(I / 0.05 A), V: y > 0 is a loss for both signs of I and heats the winding | current |
-//! | winding_resistance, torque_constant | multiplied by 1 + y | |
+//! | drag_torque | y tanh(w / w_small), N.m: y > 0 brakes in both directions and heats the housing | all |
+//! | terminal_voltage | y tanh(I / 0.05 A), V: y > 0 is a loss for both signs of I and heats the winding | all |
+//! | winding_resistance, torque_constant | multiplied by 1 + y | all |
 //! | winding_housing_resistance | multiplied by 1 + y | winding_temperature |
 //! | winding_heat | y, W, heats the winding; part of the energy input, as heat_power | |
 //! | housing_heat | y, W, heats the housing; taken from ambient (heat_to_ambient is reduced by y) | housing_temperature |
@@ -17,6 +17,8 @@
 //! | winding_sensor, housing_sensor | the reading is y, K, too high | |
 //! | torque_sensor | the indicated torque is y, N.m, too high | |
 //!
+//! All: current and speed follow these ports within milliseconds, and would otherwise belong to drivers half a step earlier. A lag is
+//! linear over the step there.
 //! *Assumes* that the other drivers are constant over a step, at their mean; such a term is of second order in the step, and of first
 //! order where it acts on its own driver and this driver changes within the step (winding_heat as a function of winding_temperature).
 //! A step in which a term changes by more than a small part of its span is divided. The energy balance closes with it. The state of a
@@ -72,6 +74,14 @@ impl GenericTerms {
         self.along(port, self.drivers.of(port.live().unwrap_or(Driver::Speed)))
     }
 
+    /// The sum at a fast port with these drivers and `x` in place of the driver `live`.
+    #[inline(never)]
+    fn driven<D: Number>(&self, port: Port, x: D, live: Driver, drivers: &Drivers) -> D {
+        let here = self.terms.iter().flatten().enumerate().filter(|(_, term)| term.port == port);
+        here.fold(D::from(0.0), |sum, (k, term)| sum + term.along_as(k, drivers, Some((live, x))))
+            * self.tuning.gain
+    }
+
     /// The terms that act in the motor, with their number: those that change a reading only hold nothing over a step.
     fn acting(&self) -> impl Iterator<Item = (usize, &GenericTerm)> {
         self.terms.iter().flatten().enumerate().filter(|(_, term)| !term.port.is_reading())
@@ -109,7 +119,9 @@ impl Effect for GenericTerms {
     }
 
     fn holds(&self, driver: Driver) -> bool {
-        let held = |term: &GenericTerm| term.port.live() != Some(driver) && term.follows(driver);
+        let held = |term: &GenericTerm| {
+            !term.port.is_fast() && term.port.live() != Some(driver) && term.follows(driver)
+        };
         let lagged = |term: &GenericTerm| term.lag.is_some_and(|lag| lag.driver == driver);
         self.is_on() && self.acting().any(|(_, term)| held(term) || lagged(term))
     }
@@ -138,23 +150,25 @@ impl Effect for GenericTerms {
     }
 
     #[inline]
-    fn drag_torque<D: Number>(&self, w: D) -> D {
-        self.along(Port::DragTorque, w) * smooth_sign(w, self.tuning.w_small)
+    fn driven_drag<D: Number>(&self, x: D, live: Driver, drivers: &Drivers) -> D {
+        let w = if live == Driver::Speed { x } else { D::from(drivers.speed) };
+        self.driven(Port::DragTorque, x, live, drivers) * smooth_sign(w, self.tuning.w_small)
     }
 
     #[inline]
-    fn terminal_voltage<D: Number>(&self, i: D) -> D {
-        self.along(Port::TerminalVoltage, i) * smooth_sign(i, I_SMALL)
+    fn driven_voltage<D: Number>(&self, x: D, live: Driver, drivers: &Drivers) -> D {
+        let i = if live == Driver::Current { x } else { D::from(drivers.current) };
+        self.driven(Port::TerminalVoltage, x, live, drivers) * smooth_sign(i, I_SMALL)
     }
 
     #[inline]
-    fn winding_resistance(&self) -> f64 {
-        Self::factor(self.sum(Port::WindingResistance))
+    fn winding_resistance<D: Number>(&self, x: D, live: Driver, drivers: &Drivers) -> D {
+        Self::factor(self.driven(Port::WindingResistance, x, live, drivers))
     }
 
     #[inline]
-    fn torque_constant(&self, _time: f64) -> f64 {
-        Self::factor(self.sum(Port::TorqueConstant))
+    fn driven_torque_constant<D: Number>(&self, x: D, live: Driver, drivers: &Drivers) -> D {
+        Self::factor(self.driven(Port::TorqueConstant, x, live, drivers))
     }
 
     #[inline]
@@ -223,22 +237,45 @@ mod tests {
         terms
     }
 
+    /// The value at `x` of a driver, the others zero.
+    fn at(x: f64, live: Driver) -> (f64, Driver, Drivers) {
+        (x, live, Drivers::default().with(live, x))
+    }
+
     /// 5 mN.m at 100 rad/s, 10 mN.m at 1600 rad/s (exponent 1/4), against the motion in both directions.
     #[test]
     fn a_drag_brakes_either_way() {
-        let drag = carrying(Port::DragTorque, 5e-3, Driver::Speed, 100.0, 0.25);
-        assert!((drag.drag_torque(1600.0f64) - 10e-3).abs() < 1e-15);
-        assert!((drag.drag_torque(-1600.0f64) + 10e-3).abs() < 1e-15);
-        assert_eq!(drag.drag_torque(0.0f64), 0.0);
-        slope_is_derivative(|w| drag.drag_torque(w), &[-900.0, -0.7, 0.3, 50.0], 1e-5, 1e-8);
-        assert_eq!(super::super::slope(0.0, |w| drag.drag_torque(w)), 0.0);
+        let terms = carrying(Port::DragTorque, 5e-3, Driver::Speed, 100.0, 0.25);
+        let drag = |w: f64| {
+            let (w, live, drivers) = at(w, Driver::Speed);
+            terms.driven_drag(w, live, &drivers)
+        };
+        assert!((drag(1600.0) - 10e-3).abs() < 1e-15);
+        assert!((drag(-1600.0) + 10e-3).abs() < 1e-15);
+        assert_eq!(drag(0.0), 0.0);
+        let none = Drivers::default();
+        let port = |w| terms.driven_drag(w, Driver::Speed, &none);
+        slope_is_derivative(port, &[-900.0, -0.7, 0.3, 50.0], 1e-5, 1e-8);
+        assert_eq!(super::super::slope(0.0, port), 0.0);
     }
 
+    /// Each port of current and speed has its derivative with respect to any driver.
     #[test]
     fn volts_and_conductances_have_their_slopes() {
         let volts = carrying(Port::TerminalVoltage, 0.3, Driver::Current, 2.0, 1.5);
-        assert!((volts.terminal_voltage(-2.0f64) + 0.3).abs() < 1e-15);
-        slope_is_derivative(|i| volts.terminal_voltage(i), &[-3.0, -0.02, 0.04, 5.0], 1e-6, 1e-6);
+        let none = Drivers::default();
+        assert!((volts.driven_voltage(-2.0f64, Driver::Current, &none) + 0.3).abs() < 1e-15);
+        let port = |i| volts.driven_voltage(i, Driver::Current, &none);
+        slope_is_derivative(port, &[-3.0, -0.02, 0.04, 5.0], 1e-6, 1e-6);
+        let ohms = carrying(Port::WindingResistance, 0.3, Driver::Speed, 200.0, 1.5);
+        slope_is_derivative(|w| ohms.winding_resistance(w, Driver::Speed, &none), &[-3e2, 5e2], 1e-3, 1e-8);
+        let strength = carrying(Port::TorqueConstant, -0.02, Driver::Current, 2.0, 2.0);
+        let port = |i| strength.driven_torque_constant(i, Driver::Current, &none);
+        slope_is_derivative(port, &[-3.0, 5.0], 1e-4, 1e-8);
+        let drag = carrying(Port::DragTorque, 5e-3, Driver::Current, 2.0, 1.0);
+        let turning = Drivers { speed: -50.0, ..none };
+        let port = |i| drag.driven_drag(i, Driver::Current, &turning);
+        slope_is_derivative(port, &[-3.0, 5.0], 1e-4, 1e-8);
         let leak = carrying(Port::HousingAmbientConductance, 0.1, Driver::HousingTemperature, 300.0, 2.0);
         assert!((leak.housing_to_ambient(300.0f64, 280.0) - 2.0).abs() < 1e-13);
         slope_is_derivative(|t| leak.housing_to_ambient(t, 280.0), &[250.0, 340.0], 1e-2, 1e-8);
@@ -249,9 +286,10 @@ mod tests {
     #[test]
     fn factors_are_relative_and_stay_positive() {
         let change = |port: Port, y: f64| carrying(port, y, Driver::Speed, 1.0, 0.0);
-        assert_eq!(change(Port::WindingResistance, 0.25).winding_resistance(), 1.25);
-        assert_eq!(change(Port::TorqueConstant, -0.5).torque_constant(0.0), 0.5);
-        assert_eq!(change(Port::TorqueConstant, -2.0).torque_constant(0.0), LEAST_FACTOR);
+        let (x, live, drivers) = at(1.0, Driver::Speed);
+        let strength = |y: f64| change(Port::TorqueConstant, y).driven_torque_constant(x, live, &drivers);
+        assert_eq!(change(Port::WindingResistance, 0.25).winding_resistance(x, live, &drivers), 1.25);
+        assert_eq!((strength(-0.5), strength(-2.0)), (0.5, LEAST_FACTOR));
         assert_eq!(change(Port::WindingHousingResistance, 0.5).winding_housing_resistance(300.0f64), 1.5);
         assert_eq!(change(Port::HeatCapacity, 1.0).heat_capacity(), 2.0);
         assert_eq!(change(Port::FanFlow, -0.5).fan_flow(0.5), 0.25);

@@ -99,6 +99,8 @@ impl<const N: usize, const E: usize> Default for State<N, E> {
 /// Integrals over one call to [`Split::advance`]; the next call does not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepIntegrals<const N: usize> {
+    /// Integrals of current, A.s, and speed, rad.
+    pub fast: Fast,
     /// Integrals of the node temperatures over time, K.s.
     pub temperature: SVector<f64, N>,
     /// Heat of the work outside the nodes, J ([`Work::aside`]).
@@ -109,12 +111,13 @@ pub struct StepIntegrals<const N: usize> {
 
 impl<const N: usize> Default for StepIntegrals<N> {
     fn default() -> Self {
-        StepIntegrals { temperature: SVector::zeros(), aside: 0.0, outflow: 0.0 }
+        StepIntegrals { fast: Fast::zeros(), temperature: SVector::zeros(), aside: 0.0, outflow: 0.0 }
     }
 }
 
 impl<const N: usize> AddAssign for StepIntegrals<N> {
     fn add_assign(&mut self, before: Self) {
+        self.fast += before.fast;
         self.temperature += before.temperature;
         self.aside += before.aside;
         self.outflow += before.outflow;
@@ -438,7 +441,8 @@ impl<const N: usize> Split<N> {
             for (sum, gain) in state.energy.iter_mut().zip(gained.iter().chain(&work.losses)) {
                 *sum += gain;
             }
-            state.integrals += StepIntegrals { temperature: over_time, aside: work.aside, outflow };
+            state.integrals +=
+                StepIntegrals { fast: segment.integral, temperature: over_time, aside: work.aside, outflow };
         }
         Ok(error)
     }

@@ -43,7 +43,8 @@ macro_rules! term_ports {
                 match self { $($($(Port::$term => declare::Unit::$unit,)?)?)* }
             }
 
-            /// The driver that is evaluated within a step; the others are constant over a step.
+            /// The driver that is always evaluated within a step; the others are constant over a step unless the port [is
+            /// fast](Port::is_fast).
             pub fn live(self) -> Option<Driver> {
                 match self { $($($($(Port::$term => Some(Driver::$live),)?)?)?)* _ => None }
             }
@@ -54,6 +55,15 @@ macro_rules! term_ports {
 ports!(term_ports);
 
 impl Port {
+    /// Whether a term there changes the equations of current and speed. These follow it within milliseconds, so all drivers are
+    /// evaluated within a step: with constant ones, the current at the end of a long step would belong to its middle.
+    pub fn is_fast(self) -> bool {
+        matches!(
+            self,
+            Port::DragTorque | Port::TerminalVoltage | Port::WindingResistance | Port::TorqueConstant
+        )
+    }
+
     /// Whether a term there changes only what a sensor indicates.
     pub fn is_reading(self) -> bool {
         matches!(self, Port::WindingSensor | Port::HousingSensor | Port::TorqueSensor)

@@ -8,6 +8,7 @@ use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::initial::temperature;
 use crate::components::sensor::{lagged, mean_lagged};
 use crate::effects::{PerNode, Port};
+use crate::line::Line;
 use crate::runtime::{Equations, Halt};
 use crate::solver::split::{Fast, State};
 use crate::terms::{Drivers, Lag, MOST_TERMS};
@@ -107,14 +108,24 @@ impl AnnulusCooledMotor {
             }
             return Ok([from, mean, to]);
         }
+        // First estimate of the lags: their drivers stay as they are.
+        let sources = self.lag_sources();
+        for (k, lag) in self.lags_of_terms().iter().enumerate() {
+            if let Some(Lag { tau, .. }) = *lag {
+                to.lagged[k] = lagged(from.lagged[k], tau, [sources[k]; 3], h);
+                mean.lagged[k] = mean_lagged([from.lagged[k], to.lagged[k]], tau, [sources[k]; 3], h);
+            }
+        }
         let before = self.checkpoint();
-        self.hold_drivers(&mean);
-        let taken = self.take_substeps(time, h);
+        let taken = self.take_along(time, h, &[from, mean, to]);
         to = self.drivers_after(time + h, 0.0);
         mean = Drivers { lagged: self.own.mean_lags, ..from.middle(&to) };
         if self.own.network.is_none() {
-            let over_step = &self.own.state.integrals.temperature;
-            (mean.winding_temperature, mean.housing_temperature) = (over_step[0] / h, over_step[1] / h);
+            let over_step = &self.own.state.integrals;
+            mean.winding_temperature = over_step.temperature[0] / h;
+            mean.housing_temperature = over_step.temperature[1] / h;
+            // A current may reach its new value in a small part of the step.
+            (mean.current, mean.speed) = (over_step.fast[0] / h, over_step.fast[1] / h);
         }
         self.return_to(before);
         taken?;
@@ -156,6 +167,14 @@ impl AnnulusCooledMotor {
     /// Present drivers of the terms, with these heat flows.
     pub(super) fn drivers_with(&self, [copper_loss, friction_loss]: [f64; 2]) -> Drivers {
         Drivers { copper_loss, friction_loss, ..self.drivers_after(self.time, 0.0) }
+    }
+
+    /// The lags from `time` on: lines within a step, constant between the steps.
+    pub(super) fn lags_from(&self, time: f64) -> [Line; MOST_TERMS] {
+        match &self.own.lag_lines {
+            Some((lines, since)) => lines.map(|line| Line { start: line.at(time - since), ..line }),
+            None => self.own.term_lags.map(|start| Line { start, slope: 0.0 }),
+        }
     }
 
     /// Present input of each term's lag; 0 without a lag.
@@ -219,7 +238,10 @@ impl AnnulusCooledMotor {
     fn middle_sources(&mut self, start: &LagStart, h: f64) -> [f64; MOST_TERMS] {
         let has_network = self.own.network.is_some();
         let mut state = self.own.state;
-        state.x = 0.5 * (start.state.x + state.x);
+        state.x = match has_network {
+            true => 0.5 * (start.state.x + state.x),
+            false => middle_of(start.state.x, state.integrals.fast, state.x, h),
+        };
         for n in 0..NODES {
             let from = start.state.temperature[n];
             state.temperature[n] =
@@ -230,17 +252,19 @@ impl AnnulusCooledMotor {
             false => state.temperature[1],
         };
         let drivers = self.drivers_at(self.time - 0.5 * h, &start.middle, &state, housing);
-        let heat_flows = self.lags_a_heat().then(|| self.heat_flows_with(start.middle, state));
+        let middle = self.time - 0.5 * h;
+        let heat_flows = self.lags_a_heat().then(|| self.heat_flows_with(middle, start.middle, state));
         self.sources_of(drivers, || heat_flows.unwrap_or_default())
     }
 
-    /// Heat flows with other inputs and another state of the two nodes.
-    fn heat_flows_with(&mut self, inputs: Inputs, state: State<NODES>) -> [f64; 2] {
+    /// Heat flows at another time with other inputs and another state of the two nodes.
+    fn heat_flows_with(&mut self, time: f64, inputs: Inputs, state: State<NODES>) -> [f64; 2] {
+        let time = std::mem::replace(&mut self.time, time);
         let inputs = std::mem::replace(&mut self.inputs, inputs);
         let state = std::mem::replace(&mut self.own.state, state);
         Motor::follow_inputs(self);
         let heat_flows = self.equations().heat_flows(&self.own.state);
-        (self.inputs, self.own.state) = (inputs, state);
+        (self.time, self.inputs, self.own.state) = (time, inputs, state);
         heat_flows
     }
 
@@ -248,7 +272,7 @@ impl AnnulusCooledMotor {
     /// `from` is that at the start.
     fn middle_of(&self, node: usize, from: f64, h: f64) -> f64 {
         let state = &self.own.state;
-        0.25 * (6.0 * state.integrals.temperature[node] / h - from - state.temperature[node])
+        middle_of(from, state.integrals.temperature[node], state.temperature[node], h)
     }
 
     /// True temperature of the housing, K.
@@ -306,4 +330,12 @@ impl AnnulusCooledMotor {
         };
         Motor::follow_inputs(self);
     }
+}
+
+/// Middle value of a parabola between two values with this integral over `h` seconds.
+fn middle_of<T>(from: T, integral: T, to: T, h: f64) -> T
+where
+    T: std::ops::Mul<f64, Output = T> + std::ops::Div<f64, Output = T> + std::ops::Sub<Output = T>,
+{
+    (integral * 6.0 / h - from - to) * 0.25
 }

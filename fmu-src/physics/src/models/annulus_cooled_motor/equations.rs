@@ -24,6 +24,7 @@
 
 mod constants;
 mod drive;
+mod driven;
 mod outputs;
 mod system;
 
@@ -36,9 +37,11 @@ use crate::effects::{PerNode, Port, Ports};
 use crate::ledger::{Account, Ledger};
 use crate::line::Line;
 use crate::solver::split::{Fast, State, System};
+use crate::terms::{Driver, Drivers, MOST_TERMS};
 use declare::Group;
 use drive::Chopper;
 use nalgebra::SVector;
+use system::Instant;
 
 /// Thermal nodes that a step solves: the winding and its neighbour. The neighbour is the stator if the model has a network
 /// (`network.rs`), else the whole housing.
@@ -64,6 +67,8 @@ pub struct Step<'a, const FORM: u8 = ALL> {
     model: &'a Parameters,
     inputs: &'a Inputs,
     slopes: &'a Inputs,
+    /// Time of the start of the step, s.
+    time: f64,
     constants: &'a Constants,
     /// Linear part of the source voltage, V.
     voltage: Line,
@@ -87,6 +92,8 @@ pub struct Step<'a, const FORM: u8 = ALL> {
     strength: f64,
     /// Temperature of the conducting phases above the mean winding temperature, K.
     pub(super) excess: f64,
+    /// State of each term's lag, in the unit of its driver.
+    pub(super) lags: [Line; MOST_TERMS],
     /// The drive in drive_mode pwm.
     chopper: Chopper,
     /// Conductance of each node to its environment if the fan command is constant over the step, W/K.
@@ -123,6 +130,8 @@ struct Ends {
     r: f64,
     /// Torque constant, N.m/A.
     k: f64,
+    /// Voltage drop between terminals and winding, V.
+    lost: f64,
 }
 
 /// Evaluation of the equations at one instant.
@@ -211,6 +220,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
             model,
             inputs,
             slopes,
+            time,
             constants,
             voltage,
             voltage_bend,
@@ -223,28 +233,24 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
             ambient,
             strength: constants.torque_factor * model.effects.torque_constant(time),
             excess: 0.0,
+            lags: [none; MOST_TERMS],
             chopper: Chopper::new(model, !Self::PLAIN && constants.chops, inputs, slopes),
             conductance,
             coupling: ThermalCoupling { conductance, winding: ambient, core: ambient, rotor: none },
         }
     }
 
-    /// Resistance at the mean winding temperature `t_w`, Ohm.
-    #[inline(always)]
-    fn resistance(&self, t_w: f64) -> f64 {
-        self.model.motor.resistance(t_w + self.excess) * self.ports().winding_resistance()
-    }
-
     /// Heat flows and conductances of the phases in a state `t` seconds after the start of the step.
     pub(super) fn phase_load(&self, t: f64, state: &State<NODES>) -> PhaseLoad {
         let (i, t_w) = (state.x[0], state.temperature[WINDING]);
         let (motor, ports) = (&self.model.motor, self.ports());
-        let square = (i * i + self.ripple_square(t)) * ports.winding_resistance();
+        let drivers = self.drivers(t, &state.x, &state.temperature);
+        let square = (i * i + self.ripple_square(t)) * self.resistance_factor(&drivers);
         // The input heat_power is distributed evenly over the phases.
         let even = self.inputs.heat_power + self.slopes.heat_power * t;
         PhaseLoad {
             heat: motor.resistance(t_w) * square
-                + ports.terminal_voltage(i) * i
+                + self.lost_voltage(i, &drivers) * i
                 + self.heat_at(t, state.x[1])
                 - even,
             per_kelvin: motor.R_ref * motor.alpha * square,
@@ -298,13 +304,15 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
 
     /// Drag torque, N.m; `k` is the torque constant.
     #[inline(always)]
-    fn drag(&self, t: f64, x: &Fast, temperature: &Temperatures, k: f64) -> f64 {
+    fn drag(&self, t: f64, x: &Fast, temperature: &Temperatures, k: f64, drivers: &Drivers) -> f64 {
         let effects = self.ports();
         let own = effects.drag_torque(x[1]);
         if Self::PLAIN {
             return own;
         }
-        let own = own + effects.warm_drag(x[1], self.magnets(t, temperature));
+        let own = own
+            + effects.warm_drag(x[1], self.magnets(t, temperature))
+            + effects.driven_drag(x[1], Driver::Speed, drivers);
         if self.is_free() {
             let load = self.load.at(t);
             own + effects.load_drag(x[1], load) * load
@@ -331,12 +339,6 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         if self.has_network() { self.coupling.rotor.at(t) } else { temperature[CORE] }
     }
 
-    /// Torque constant at the temperature of the magnets.
-    #[inline(always)]
-    fn torque_constant(&self, t: f64, temperature: &Temperatures) -> f64 {
-        self.model.motor.torque_constant(self.magnets(t, temperature)) * self.strength
-    }
-
     /// Part of the drag power `drag`, W, that heats the core, W.
     #[inline(always)]
     fn drag_in_core(&self, w: f64, drag: f64) -> f64 {
@@ -351,7 +353,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
 
     /// Drag power that does not heat the core, at the start of the step, W.
     pub fn drag_beyond(&self, x: &Fast, temperature: &Temperatures) -> f64 {
-        let drag = self.drag(0.0, x, temperature, self.torque_constant(0.0, temperature)) * x[1];
+        let drag = self.instant(0.0, x, temperature).drag * x[1];
         drag - self.drag_in_core(x[1], drag)
     }
 
@@ -400,24 +402,24 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
     #[inline(always)]
     fn ends(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Ends {
         let (i, w) = (x[0], x[1]);
-        let (r, k) = (self.resistance(temperature[WINDING]), self.torque_constant(t, temperature));
-        let (drag, bridge) = (self.drag(t, x, temperature, k), self.bridge(i));
+        let Instant { r, k, drag, lost } = self.instant(t, x, temperature);
+        let bridge = self.bridge(i);
         let voltage = if self.is_voltage_driven() {
             self.source(t, k * w) - bridge - self.missed(t, i)
         } else {
-            r * i + self.ports().terminal_voltage(i) + k * w
+            r * i + lost + k * w
         };
         let shaft_torque =
             if self.is_free() { self.load.at(t) } else { k * i - drag + self.power_mode_torque(w) };
-        Ends { voltage, shaft_torque, drag, bridge, r, k }
+        Ends { voltage, shaft_torque, drag, bridge, r, k, lost }
     }
 
-    /// Input power at the terminals (drive_mode pwm: at the drive) and as heat, W, with the winding at `t_w`, K.
+    /// Input power at the terminals (drive_mode pwm: at the drive) and as heat, W.
     #[inline(always)]
-    fn power_in(&self, t: f64, x: &Fast, t_w: f64, ends: &Ends) -> f64 {
+    fn power_in(&self, t: f64, x: &Fast, ends: &Ends) -> f64 {
         let (i, w) = (x[0], x[1]);
         let (load, drive) = (self.power_mode_torque(w) * w, self.drive.at(t) + ends.bridge * i);
-        ends.voltage * i + self.heat_at(t, w) + load + self.stator.at(t) + self.ripple_loss(t, t_w) + drive
+        ends.voltage * i + self.heat_at(t, w) + load + self.stator.at(t) + self.ripple_loss(t, ends.r) + drive
     }
 
     /// Evaluates the equations at one instant.
@@ -427,8 +429,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         let (i, w) = (x[0], x[1]);
         let (t_w, t_h) = (temperature[WINDING], temperature[CORE]);
         let ends = self.ends(t, x, temperature);
-        let Ends { voltage, shaft_torque, drag, bridge, r, k } = ends;
-        let lost = self.ports().terminal_voltage(i);
+        let Ends { voltage, shaft_torque, drag, bridge, r, k, lost } = ends;
         let fast = self.fast_rates(t, x, temperature);
         let (heat, stator, load) = (self.heat_at(t, w), self.stator.at(t), self.power_mode_torque(w) * w);
         let (leaving, drive) = (self.leaving(t, temperature), self.drive.at(t) + bridge * i);
@@ -438,7 +439,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         let mut ledger = Ledger::default();
         ledger.transfer(Terminals, Winding, r * i * i);
         ledger.transfer(Terminals, Winding, lost * i);
-        ledger.transfer(Terminals, Winding, heat + self.ripple_loss(t, t_w));
+        ledger.transfer(Terminals, Winding, heat + self.ripple_loss(t, r));
         ledger.transfer(Terminals, AirGap, k * w * i + load);
         let core = self.core();
         ledger.transfer(Terminals, core, stator);
@@ -460,7 +461,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         let warming = self.network_rates(t, temperature)
             + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity());
         let to_ambient = self.outflow(t, temperature) + drive;
-        let power_in = self.power_in(t, x, t_w, &ends);
+        let power_in = self.power_in(t, x, &ends);
         Point { voltage, power_in, drive, drag, shaft_torque, fast, warming, to_ambient, ledger }
     }
 

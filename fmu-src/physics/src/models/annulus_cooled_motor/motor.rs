@@ -10,6 +10,7 @@ use crate::components::commutation::{Commutation, Phases};
 use crate::components::validity::Extremes;
 use crate::effects::{PerNode, Port};
 use crate::exchange::is_above;
+use crate::line::Line;
 use crate::model::{Declaration, Declared, Fault, HousingHeat};
 use crate::runtime::{Equations, Halt, Runtime};
 use crate::saved;
@@ -32,6 +33,8 @@ pub struct Motor {
     pub(super) sensors: PerNode,
     /// State of each term's lag, in the unit of its driver.
     pub(super) term_lags: [f64; MOST_TERMS],
+    /// The same over the present step, as lines from this time on; none between the steps.
+    pub(super) lag_lines: Option<([Line; MOST_TERMS], f64)>,
     /// Mean of each over the last step; the next step does not depend on it.
     pub(super) mean_lags: [f64; MOST_TERMS],
     /// Temperature at the start, K; reference of the stored heat.
@@ -135,6 +138,7 @@ impl AnnulusCooledMotor {
         let fan = if is_kept { fan.1 } else { parameters.to_ambient(self.inputs.fan_command) };
         let mut step = Step::new(parameters, constants, &self.inputs, &self.slopes, fan, self.time);
         step.excess = self.excess();
+        step.lags = self.lags_from(self.time);
         if let Some(pre) = &self.pre {
             step = step.with_strength_since(pre.since).with_open_switches(pre.discrete.idle);
         }
@@ -207,6 +211,7 @@ impl Equations<ALL> for Motor {
             state: State::default(),
             sensors: PerNode::default(),
             term_lags: [0.0; MOST_TERMS],
+            lag_lines: None,
             mean_lags: [0.0; MOST_TERMS],
             t_start: 0.0,
             capacity_factor: 1.0,

@@ -19,6 +19,7 @@ use crate::runtime::Halt;
 use crate::solver::MOST_STEPS;
 use crate::solver::split::State;
 use crate::solver::stabilized::States;
+use crate::terms::Drivers;
 use declare::Group;
 
 /// A substep shorter than this fraction of the communication step is a step failure.
@@ -66,13 +67,13 @@ impl AnnulusCooledMotor {
             self.follow_capacity();
             return self.take_substeps(time, h);
         }
-        let [from, mean, to] = self.drivers_along(time, h)?;
-        let parts = (PARTS * self.parameters.effects.change(&from, &to)).ceil();
+        let along = self.drivers_along(time, h)?;
+        let [from, _, to] = &along;
+        let parts = (PARTS * self.parameters.effects.change(from, to)).ceil();
         if parts > 1.0 {
             return self.advance_in_parts(time, h, parts.min(MOST_PARTS));
         }
-        self.hold_drivers(&mean);
-        self.take_substeps(time, h)
+        self.take_estimated(time, h, &along)
     }
 
     /// A step in which the drivers of the terms change much, in equal parts.
@@ -82,10 +83,7 @@ impl AnnulusCooledMotor {
         for k in 0..parts as usize {
             self.put_slopes(slopes);
             let at = time + k as f64 * part;
-            let taken = self.drivers_along(at, part).and_then(|[_, mean, _]| {
-                self.hold_drivers(&mean);
-                self.take_substeps(at, part)
-            });
+            let taken = self.drivers_along(at, part).and_then(|along| self.take_estimated(at, part, &along));
             if let Err(halt) = taken {
                 self.return_to(before);
                 return Err(halt);
@@ -93,6 +91,32 @@ impl AnnulusCooledMotor {
         }
         self.time = time + h;
         Ok(())
+    }
+
+    /// A step with estimated drivers.
+    fn take_estimated(&mut self, time: f64, h: f64, along: &[Drivers; 3]) -> Result<(), Halt> {
+        self.take_along(time, h, along)?;
+        // Current and speed have settled at the end of the lag's line. A lag that differs from it, if only by the error of the estimate,
+        // would give them derivatives of this difference over L/R.
+        if self.own.constants.holds_states && self.own.constants.has_fast_states() {
+            self.own.term_lags = along[2].lagged;
+        }
+        Ok(())
+    }
+
+    /// A step with the drivers at its start, on average and at its end.
+    pub(super) fn take_along(
+        &mut self,
+        time: f64,
+        h: f64,
+        [from, mean, to]: &[Drivers; 3],
+    ) -> Result<(), Halt> {
+        self.hold_drivers(mean);
+        let line = |k: usize| Line { start: from.lagged[k], slope: (to.lagged[k] - from.lagged[k]) / h };
+        self.own.lag_lines = Some((std::array::from_fn(line), time));
+        let taken = self.take_substeps(time, h);
+        self.own.lag_lines = None;
+        taken
     }
 
     /// A step with the drivers already set.
@@ -125,6 +149,7 @@ impl AnnulusCooledMotor {
         let inputs = [&self.inputs, &self.slopes];
         let mut step = Step::<FORM>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time);
         step.excess = excess;
+        step.lags = self.lags_from(time);
         let (before, sensed) = (self.own.state, self.sensed());
         let next = &mut self.own.state;
         if let Err(step_failure) = self.own.split.advance(&step, next, h) {
@@ -212,7 +237,7 @@ impl AnnulusCooledMotor {
         let (ambient, sensed) = (self.ambient(time), self.sensed());
         let still = !self.is_sloping();
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
-        let excess = self.mean_excess(h);
+        let (excess, lags) = (self.mean_excess(h), self.lags_from(time));
         let Some(network) = &mut self.own.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);
         network.refresh(&self.parameters, &middle, at_middle, 0.0);
@@ -226,6 +251,7 @@ impl AnnulusCooledMotor {
         let none = PerNode::default();
         let mut step = Step::<FORM>::of(p, constants, [&self.inputs, &self.slopes], none, time);
         step.excess = excess;
+        step.lags = lags;
         step.couple(start);
         let friction = step.drag_beyond(&state.x, &state.temperature);
         let inflow = network.inflow(t_w, t_core, friction);

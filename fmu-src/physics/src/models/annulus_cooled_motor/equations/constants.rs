@@ -9,11 +9,14 @@ use crate::models::annulus_cooled_motor::parameters::Parameters;
 use crate::terms::Driver;
 
 /// Ports, besides the drag torque, that are evaluated at every stage of a step.
-const BRANCHES: [Port; 9] = [
+const BRANCHES: [Port; 12] = [
     Port::WarmDrag,
     Port::LoadDrag,
     Port::TerminalVoltage,
     Port::WindingResistance,
+    Port::DrivenDrag,
+    Port::DrivenVoltage,
+    Port::DrivenTorqueConstant,
     Port::HousingHeat,
     Port::WindingHousingResistance,
     Port::HousingToAmbient,
@@ -135,6 +138,11 @@ impl Constants {
     #[inline]
     pub(in super::super) fn are_plain(&self, slopes: &Inputs) -> bool {
         self.plain && slopes.fan_command == 0.0 && slopes.duty * slopes.voltage == 0.0
+    }
+
+    /// Whether current or speed is a state.
+    pub(in super::super) fn has_fast_states(&self) -> bool {
+        self.inverse_l != 0.0 || self.inverse_j != 0.0
     }
 
     /// Drift of the true ambient temperature from the indicated one, K/s.

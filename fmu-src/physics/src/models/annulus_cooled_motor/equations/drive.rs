@@ -137,10 +137,10 @@ impl<const FORM: u8> Step<'_, FORM> {
         self.model.effects.ripple_square(chopper.duty.at(t), chopper.supply.at(t), self.model.motor.L)
     }
 
-    /// Copper loss of the current ripple at the winding temperature `t_w`, W.
+    /// Copper loss of the current ripple in the resistance `r`, Ohm, W.
     #[inline(always)]
-    pub(super) fn ripple_loss(&self, t: f64, t_w: f64) -> f64 {
-        if self.loses() { self.resistance(t_w) * self.ripple_square(t) } else { 0.0 }
+    pub(super) fn ripple_loss(&self, t: f64, r: f64) -> f64 {
+        if self.loses() { r * self.ripple_square(t) } else { 0.0 }
     }
 
     /// The same equations with the switch state of the last event.

@@ -1,6 +1,6 @@
 //! Outputs, and the residual of the energy balance.
 
-use super::{CORE, Ends, NODES, Step, WINDING};
+use super::{CORE, Ends, Instant, NODES, Step, WINDING};
 use crate::components::commutation::Phases;
 use crate::effects::PerNode;
 use crate::ledger::{Account, Ledger};
@@ -54,7 +54,7 @@ impl<const FORM: u8> Step<'_, FORM> {
     /// Power at the terminals (drive_mode pwm: at the supply of the drive) at the start of the step, W.
     pub fn power_electrical(&self, state: &State<NODES>) -> f64 {
         let (x, temperature) = (&state.x, &state.temperature);
-        self.at_terminals(self.power_in(0.0, x, temperature[WINDING], &self.ends(0.0, x, temperature)))
+        self.at_terminals(self.power_in(0.0, x, &self.ends(0.0, x, temperature)))
     }
 
     /// The part of the input power at the terminals, W: without heat that no current causes.
@@ -70,10 +70,9 @@ impl<const FORM: u8> Step<'_, FORM> {
 
     /// Copper loss including contact voltage drop, and in drive_mode power the power that heats the winding, W.
     fn copper_loss(&self, state: &State<NODES>, drive: f64) -> f64 {
-        let (i, t_w) = (state.x[0], state.temperature[WINDING]);
-        let copper = self.resistance(t_w) * i * i
-            + self.model.effects.terminal_voltage(i) * i
-            + self.ripple_loss(0.0, t_w);
+        let i = state.x[0];
+        let Instant { r, lost, .. } = self.instant(0.0, &state.x, &state.temperature);
+        let copper = r * i * i + lost * i + self.ripple_loss(0.0, r);
         match self.model.choices.drive_mode {
             DriveMode::Power => {
                 let load = self.power_mode_torque(state.x[1]) * state.x[1];

@@ -11,9 +11,13 @@ use nalgebra::{Matrix2, SMatrix};
 #[derive(Clone, Copy, Debug)]
 pub struct Instant {
     /// Torque constant, N.m/A.
-    k: f64,
+    pub(super) k: f64,
     /// Drag torque, N.m.
-    drag: f64,
+    pub(super) drag: f64,
+    /// Resistance, Ohm.
+    pub(super) r: f64,
+    /// Voltage drop between terminals and winding, V.
+    pub(super) lost: f64,
 }
 
 impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
@@ -21,18 +25,23 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
 
     #[inline(always)]
     fn instant(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Instant {
-        let k = self.torque_constant(t, temperature);
-        Instant { k, drag: self.drag(t, x, temperature, k) }
+        let drivers = self.drivers(t, x, temperature);
+        let k = self.torque_constant(t, temperature, &drivers);
+        Instant {
+            k,
+            drag: self.drag(t, x, temperature, k, &drivers),
+            r: self.resistance(temperature[WINDING], &drivers),
+            lost: self.lost_voltage(x[0], &drivers),
+        }
     }
 
     #[inline(always)]
-    fn fast_rates_at(&self, t: f64, x: &Fast, temperature: &Temperatures, instant: &Instant) -> Fast {
+    fn fast_rates_at(&self, t: f64, x: &Fast, _: &Temperatures, instant: &Instant) -> Fast {
         let (i, w) = (x[0], x[1]);
         let k = instant.k;
-        let lost = self.ports().terminal_voltage(i) + self.bridge(i) + self.missed(t, i);
+        let lost = instant.lost + self.bridge(i) + self.missed(t, i);
         // One of the two summands is zero: 1/L or the derivative of the imposed current; 1/J or that of the imposed speed.
-        let di = (self.source(t, k * w) - self.resistance(temperature[WINDING]) * i - lost - k * w)
-            * self.constants.inverse_l
+        let di = (self.source(t, k * w) - instant.r * i - lost - k * w) * self.constants.inverse_l
             + self.current.slope;
         let dw =
             (k * i - instant.drag - Self::at(&self.load, t)) * self.constants.inverse_j + self.speed.slope;
@@ -43,8 +52,9 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
     fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
         let effects = self.ports();
         let lost = effects.terminal_voltage_slope(x[0]) + self.drive_slope(t, x[0]);
-        let r = self.resistance(temperature[WINDING]) + lost;
-        let k = self.torque_constant(t, temperature);
+        let drivers = self.drivers(t, x, temperature);
+        let r = self.resistance(temperature[WINDING], &drivers) + lost;
+        let k = self.torque_constant(t, temperature, &drivers);
         let slope = if self.is_free() {
             let load = self.load.at(t);
             effects.drag_torque_slope(x[1])
@@ -56,7 +66,13 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         let (l, j) = (self.constants.inverse_l, self.constants.inverse_j);
         // With open switches the terminal voltage depends on the back-EMF.
         let followed = if self.coasts() { self.chopper.open_voltage(t, k * x[1]).1 } else { 0.0 };
-        Matrix2::new(-r * l, -k * l * (1.0 - followed), k * j, -slope * j)
+        let matrix = Matrix2::new(-r * l, -k * l * (1.0 - followed), k * j, -slope * j);
+        if !self.is_driven() {
+            return matrix;
+        }
+        let driven = self.driven_slopes(t, x, temperature, &drivers);
+        let volts = driven.volts + driven.back_emf * (1.0 - followed);
+        matrix + Matrix2::new(-volts[0] * l, -volts[1] * l, driven.torque[0] * j, driven.torque[1] * j)
     }
 
     #[inline(always)]
@@ -124,11 +140,10 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
     }
 
     #[inline(always)]
-    fn heat_rates_at(&self, t: f64, x: &Fast, temperature: &Temperatures, instant: &Instant) -> Temperatures {
+    fn heat_rates_at(&self, t: f64, x: &Fast, _: &Temperatures, instant: &Instant) -> Temperatures {
         let (i, w) = (x[0], x[1]);
-        let t_w = temperature[WINDING];
-        let volts = self.resistance(t_w) * i + self.ports().terminal_voltage(i);
-        let copper = volts * i + self.ripple_loss(t, t_w);
+        let volts = instant.r * i + instant.lost;
+        let copper = volts * i + self.ripple_loss(t, instant.r);
         let core = self.drag_in_core(w, instant.drag * w) + Self::at(&self.stator, t);
         Temperatures::new(copper + self.heat_at(t, w), core)
     }
@@ -161,7 +176,12 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
             let load = line(&self.load, 1);
             (self.kinetic(x1[1]) - self.kinetic(x0[1]) + load + friction, load)
         } else {
-            let air_gap = if self.is_voltage_driven() {
+            let air_gap = if self.is_voltage_driven() && self.is_driven() {
+                // A term may change the torque constant as fast as the current.
+                let (air_gap, error) = against([0, 1, 2].map(|n| k_t(n) * segment.x[n][1]), 0);
+                quadrature_error += error;
+                air_gap
+            } else if self.is_voltage_driven() {
                 // The magnet temperature changes by microkelvins over a step; the midpoint value is accurate enough.
                 k_t(1) * line(&self.speed, 0)
             } else {
@@ -178,19 +198,19 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         let stator = h * Self::at(&self.stator, t + 0.5 * h);
         let mut heat = h * Self::at(&self.heat, t + 0.5 * h) - load;
         if self.loses() {
-            let ripple = [0, 1, 2].map(|n| self.ripple_loss(at[n], segment.temperature[n][WINDING]));
+            let ripple = [0, 1, 2].map(|n| self.ripple_loss(at[n], instants[n].r));
             let over_step = simpson(ripple[0], ripple[1], ripple[2]);
             heat += over_step;
             quadrature_error += (over_step - 0.5 * h * (ripple[0] + ripple[2])).abs();
         }
         let mut drive = h * Self::at(&self.drive, t + 0.5 * h);
         // R i^2: the end value of R times the integral of i^2, plus Simpson's rule for the deviation of R from its end value.
-        let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
+        let r = |n: usize| instants[n].r;
         let heating = |n: usize| (r(n) - r(2)) * segment.x[n][0] * segment.x[n][0];
         let mut drop = 0.0;
         if effects.acts.at(Port::TerminalVoltage) {
             let error_of_drop;
-            (drop, error_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
+            (drop, error_of_drop) = against(instants.map(|instant| instant.lost), 0);
             quadrature_error += error_of_drop;
         }
         let (copper, electrical) = if self.is_voltage_driven() {
