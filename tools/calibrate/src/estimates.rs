@@ -8,7 +8,7 @@ use crate::comparison;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
-use crate::levels::{AT_NOISE, DECISIVE, PART, STRUCTURE, SURE};
+use crate::levels::{AT_NOISE, CERTAIN, DECISIVE, PART, STRUCTURE, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Whiteness};
 use crate::parallel;
@@ -67,13 +67,7 @@ pub fn outcome(
         (estimate.value, estimate.ci95) = (value, of_either(value, estimate.ci95, limits));
     }
     for (d, value) in setup.declared.iter().zip(&hypothesis.declared) {
-        let (least, most) = d.limits;
-        if *value <= least || *value >= most {
-            notes.push(format!(
-                "{} = {value:.4} {} is at its limit: the data ask for a value beyond {least:.4} ... {most:.4}, or do not determine it",
-                d.name, d.unit
-            ));
-        }
+        notes.extend(strain(d, *value));
     }
     for (d, value) in setup.declared.iter().zip(&hypothesis.declared).filter(|(d, _)| d.is_released) {
         notes.push(format!(
@@ -431,6 +425,25 @@ fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3], half: 
     }
 }
 
+/// Sentence on a parameter at a limit, or with a value that its prior hardly permits.
+fn strain(d: &Declared, value: f64) -> Option<String> {
+    let (name, unit, (least, most)) = (&d.name, d.unit, d.limits);
+    let apart = (value - d.prior).abs() / d.deviation;
+    if value <= least || value >= most {
+        Some(format!(
+            "{name} = {value:.4} {unit} is at its limit: the data ask for a value beyond {least:.4} ... {most:.4}, or do not determine it"
+        ))
+    } else if !d.is_free && !d.is_released && apart > CERTAIN {
+        Some(format!(
+            "{name} = {value:.4} {unit} is {apart:.1} standard deviations of its prior from {:.4} {unit}: check the prior and the data, or an \
+             effect that the model still lacks moves it",
+            d.prior
+        ))
+    } else {
+        None
+    }
+}
+
 /// The interval of an estimate, extended to that of another value with the same half width, within the limits.
 fn of_either(value: f64, (least, most): (f64, f64), limits: (f64, f64)) -> (f64, f64) {
     let half = 0.5 * (most - least);
@@ -439,9 +452,25 @@ fn of_either(value: f64, (least, most): (f64, f64), limits: (f64, f64)) -> (f64,
 
 #[cfg(test)]
 mod tests {
-    use super::{interval, of_either};
+    use super::{interval, of_either, strain};
+    use crate::setup::Setup;
+    use crate::testing;
 
     const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+    /// A value that its prior hardly permits is stated, and one at a limit; a usual one is not.
+    #[test]
+    fn values_far_from_their_priors_are_stated() {
+        let experiment = testing::experiment("\"thermal.C_w\" = 0.1", true);
+        let d = &Setup::new(&experiment, &[]).unwrap().declared[0];
+        assert_eq!(strain(d, 1.35 * d.prior), None);
+        let sentence = strain(d, 0.5 * d.prior).unwrap();
+        assert!(
+            sentence.contains("thermal.C_w") && sentence.contains("5.0 standard deviations"),
+            "{sentence}"
+        );
+        assert!(strain(d, d.limits.0).unwrap().contains("is at its limit"));
+    }
 
     /// An interval covers the exported value as widely as the estimate, also if they differ.
     #[test]
