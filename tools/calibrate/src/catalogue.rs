@@ -34,10 +34,15 @@ pub static LISTED: LazyLock<Vec<Listed>> = LazyLock::new(|| {
 });
 
 impl Listed {
+    /// Name of one of its parameters in a model.
+    pub fn parameter(&self, symbol: &str) -> String {
+        format!("effect.{}.{symbol}", self.id)
+    }
+
     /// The effect as an addition of size 0 to a model, active in the `active` runs; `None` if the model does not have the effect.
     pub fn addition(&self, setup: &Setup, active: &[bool]) -> Option<Addition> {
         let declaration = setup.bench.declaration();
-        let entry = |symbol: &str| declaration.by_name(&format!("effect.{}.{symbol}", self.id));
+        let entry = |symbol: &str| declaration.by_name(&self.parameter(symbol));
         let mut slots = Vec::new();
         let mut numbers = Vec::new();
         let clock = setup.drives.iter().flat_map(|d| &d.time).fold(0.0f64, |end, t| end.max(t.abs()));

@@ -100,8 +100,8 @@ struct Effort<'a> {
 impl Effort<'static> {
     const FULL: Effort<'static> = Effort { points: &POINTS, combinations: usize::MAX, values: Values::All };
     /// For generic terms: with all effects and with some, because an effect may replace the node that a driver belongs to; in the
-    /// combinations of cooling, drive, shaft and commutation of the motor. A law without a range
-    /// moves with its driver everywhere, so that one value within the limits shows it.
+    /// combinations of cooling, drive, shaft and commutation of the motor. A law without a range moves with its driver everywhere, so that
+    /// one value within the limits shows it.
     const OF_TERMS: Effort<'static> =
         Effort { points: &[POINTS[0], POINTS[2]], combinations: 144, values: Values::OneAndLimits };
 }

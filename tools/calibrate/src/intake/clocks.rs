@@ -90,7 +90,7 @@ pub fn check(
 ) -> Result<Option<Unusable>, CalibrateError> {
     for _ in 0..experiment.outputs.len() {
         let thin = thinned(experiment, ROWS);
-        let Some(shift) = search(&thin, row(experiment), preset, deadline)? else { return Ok(None) };
+        let Some(shift) = search(&thin, interval(experiment), preset, deadline)? else { return Ok(None) };
         let words = |column: &str| {
             let side = if shift.late > 0.0 { "late" } else { "early" };
             let (a, b) = (shift.interval.0.abs(), shift.interval.1.abs());
@@ -137,7 +137,7 @@ fn squares(setup: &Setup, runs: &[usize], fitted: &Hypothesis) -> Option<Vec<f64
 }
 
 /// Usual interval between two rows of the fit runs, s.
-fn row(experiment: &Experiment) -> f64 {
+fn interval(experiment: &Experiment) -> f64 {
     let fit = experiment.of_role(Role::Fit);
     let times = fit.iter().map(|r| &experiment.runs[*r].table.time);
     median(times.flat_map(|time| time.windows(2).map(|w| w[1] - w[0])))
@@ -187,7 +187,7 @@ fn search(
     if !is_noisy || deadline.is_near() {
         return Ok(None);
     }
-    let step = self::row(experiment);
+    let step = interval(experiment);
     let tables = || fit.iter().map(|r| &experiment.runs[*r].table);
     let longest = tables().map(|t| t.time[t.time.len() - 1] - t.time[0]).fold(0.0, f64::max);
     let most = FARTHEST * longest;

@@ -140,22 +140,24 @@ fn worst(outputs: &[Option<(f64, f64)>]) -> f64 {
     outputs.iter().flatten().map(|(q, _)| *q).fold(0.0, f64::max)
 }
 
-/// Number of rows over which a run is averaged: at most `most` means, or more where the mean square of an input, and with it a loss, would
-/// fall by [`STRUCTURE`] of that in all runs: a load that alternates within such a time.
-fn length(experiment: &Experiment, run: &Run, most: usize) -> usize {
-    let square = |column: &[f64]| mean(column.iter().map(|x| x * x));
-    let is_kept = |length: usize, k: usize| {
-        let of_all = experiment.runs.iter().map(|run| square(&run.table.columns[k])).fold(0.0, f64::max);
+/// Number of rows over which a run is averaged: at most `most` means, or more where the mean square of an input that is a load, and with
+/// it a loss, would fall by [`STRUCTURE`] of that in all runs: a load that alternates within such a time. `squares` are the loads' indices
+/// with their greatest mean square in a run.
+fn length(run: &Run, squares: &[(usize, f64)], most: usize) -> usize {
+    let is_kept = |length: usize, k: usize, of_all: f64| {
         let column = &run.table.columns[k];
         let means: Vec<f64> = column.chunks(length).map(|part| mean(part.iter().copied())).collect();
         square(column) - square(&means) <= STRUCTURE * of_all
     };
-    let is_load = |k: &usize| !experiment.inputs[*k].is_temperature();
     let mut length = run.table.time.len().div_ceil(most);
-    while length > 1 && !(0..experiment.inputs.len()).filter(is_load).all(|k| is_kept(length, k)) {
+    while length > 1 && !squares.iter().all(|(k, of_all)| is_kept(length, *k, *of_all)) {
         length = length.div_ceil(2);
     }
     length
+}
+
+fn square(column: &[f64]) -> f64 {
+    mean(column.iter().map(|x| x * x))
 }
 
 /// Mean of the values that are numbers.
@@ -178,8 +180,12 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
             }
         }
     }
-    let lengths: Vec<usize> = experiment.runs.iter().map(|run| length(experiment, run, most)).collect();
-    for (table, length) in thin.runs.iter_mut().map(|r| &mut r.table).zip(lengths) {
+    let greatest =
+        |k: usize| experiment.runs.iter().map(|run| square(&run.table.columns[k])).fold(0.0, f64::max);
+    let loads = experiment.inputs.iter().enumerate().filter(|(_, channel)| !channel.is_temperature());
+    let squares: Vec<(usize, f64)> = loads.map(|(k, _)| (k, greatest(k))).collect();
+    for (table, run) in thin.runs.iter_mut().map(|r| &mut r.table).zip(&experiment.runs) {
+        let length = length(run, &squares, most);
         let means = |column: &[f64]| -> Vec<f64> {
             column.chunks(length).map(|rows| mean(rows.iter().copied())).collect()
         };

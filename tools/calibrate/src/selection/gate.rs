@@ -122,7 +122,7 @@ fn to_a_limit(before: &Linearization, candidate: &Candidate) -> Option<String> {
 
 /// Whether a parameter is the size of a listed effect at this port: an effect there may be the right form of it, and leave nothing.
 fn is_size_at(parameter: &str, port: Port) -> bool {
-    LISTED.iter().any(|l| l.port == port && parameter == format!("effect.{}.{}", l.id, l.symbols[0]))
+    LISTED.iter().any(|l| l.port == port && parameter == l.parameter(l.symbols[0]))
 }
 
 /// Sentence on a listed sensor effect that is smaller than the calibration accuracy.
