@@ -5,9 +5,10 @@
 //! y = a grid over two drivers: bilinear between its points, constant outside its edges     (3)
 //! tau dz/dt = x - z                                                                        (4)
 //!
-//! With a lag, z of eq. (4) replaces the driver x in the law; z starts at the initial x, so that a motor at rest at
-//! ambient temperature stays at rest. The driver of a lag may also be a heat flow, which requires a lag: a missing node
-//! (magnets, a bearing) is a first-order lag of a neighbouring temperature or heat flow.
+//! With a lag, z of eq. (4) replaces the driver x in the law, or z - x does ([`Lag::difference`]); z starts at the initial x, so that a motor
+//! at rest at ambient temperature stays at rest. The driver of a lag may also be a heat flow, which requires a lag: a missing node (magnets,
+//! a bearing) is a first-order lag of a neighbouring temperature or heat flow. A mass with the heat capacity C that is attached to a node
+//! of the temperature x by the conductance G has the temperature z with tau = C / G, and gives the heat flow G (z - x) to the node.
 //!
 //! A term is a port and one of these laws. The effect that evaluates terms, `effects/generic_term.rs`, describes the action of the value
 //! at the port; the crate `terms` reads the file with the terms of an FMU.
@@ -223,6 +224,16 @@ pub struct Lag {
     pub driver: Driver,
     /// Time constant, s.
     pub tau: f64,
+    /// Whether the law has z - x in place of the driver x; z otherwise.
+    pub difference: bool,
+}
+
+impl Lag {
+    /// What stands in the law, with the lag at `z` and its driver at `x`.
+    #[inline]
+    pub fn seen<D: Number>(&self, z: f64, x: D) -> D {
+        if self.difference { -x + z } else { D::from(z) }
+    }
 }
 
 /// Law of a term.
@@ -323,15 +334,19 @@ impl GenericTerm {
         match self.lag {
             None => self.along(drivers, live),
             Some(lag) => {
-                let live = live.filter(|(driver, _)| *driver != lag.driver);
-                self.along(&drivers.with(lag.driver, drivers.lagged[k]), live)
+                let (own, z) = (drivers.of(lag.driver), drivers.lagged[k]);
+                let live = live
+                    .filter(|(driver, _)| *driver != lag.driver || lag.difference)
+                    .map(|(driver, x)| (driver, if driver == lag.driver { lag.seen(z, x) } else { x }));
+                self.along(&drivers.with(lag.driver, lag.seen(z, own)), live)
             }
         }
     }
 
     /// Whether it depends on the present value of this driver.
     pub fn follows(&self, driver: Driver) -> bool {
-        self.lag.is_none_or(|lag| lag.driver != driver) && self.law.drivers().any(|d| d == driver)
+        self.lag.is_none_or(|lag| lag.driver != driver || lag.difference)
+            && self.law.drivers().any(|d| d == driver)
     }
 
     /// Whether a driver is outside the range of a power, or outside the points of a table or a grid; a lagged driver must already be in
@@ -346,9 +361,9 @@ impl GenericTerm {
         }
     }
 
-    /// Whether its drivers are consistent: no heat flow without a lag, and a lag of a driver of the law.
+    /// Whether its drivers are consistent: no present heat flow, and a lag of a driver of the law.
     pub fn is_whole(&self) -> bool {
-        let lagged = |driver: Driver| self.lag.is_some_and(|lag| lag.driver == driver);
+        let lagged = |driver: Driver| self.lag.is_some_and(|lag| lag.driver == driver && !lag.difference);
         self.law.drivers().all(|d| !d.is_heat() || lagged(d))
             && self.lag.is_none_or(|lag| {
                 self.law.drivers().any(|d| d == lag.driver)

@@ -114,7 +114,7 @@ fn a_jump_of_the_drivers_divides_the_step() {
 fn lagging(port: Port, driver: Driver, (offset, size): (f64, f64), tau: f64) -> GenericTerm {
     let factor = Factor { driver, offset, reference: FAR, exponent: 1.0, range: Factor::UNLIMITED };
     let law = Law::Product(Product { coefficient: size * FAR, factors: [Some(factor), None, None] });
-    GenericTerm { lag: Some(Lag { driver, tau }), ..GenericTerm::new(port, law) }
+    GenericTerm { lag: Some(Lag { driver, tau, difference: false }), ..GenericTerm::new(port, law) }
 }
 
 /// Current 6 A from the start on, at rest: the lag of the current is 6 (1 - exp(-t / tau)), that of the copper loss follows R I^2.
@@ -145,14 +145,70 @@ fn a_lag_is_the_solution_of_its_equation() {
 /// states, and a motor that is put back goes the same way to the last bit.
 #[test]
 fn lags_are_of_second_order_exchanged_and_saved() {
-    let terms = [
-        lagging(Port::TorqueConstant, Driver::WindingTemperature, (298.15, -2e-3), 40.0),
-        lagging(Port::DragTorque, Driver::FrictionLoss, (0.0, -4e-4), 60.0),
-        lagging(Port::HousingHeat, Driver::CopperLoss, (0.0, 0.3), 80.0),
-    ];
+    converge_are_exchanged_and_saved(
+        1.7,
+        &[
+            lagging(Port::TorqueConstant, Driver::WindingTemperature, (298.15, -2e-3), 40.0),
+            lagging(Port::DragTorque, Driver::FrictionLoss, (0.0, -4e-4), 60.0),
+            lagging(Port::HousingHeat, Driver::CopperLoss, (0.0, 0.3), 80.0),
+        ],
+    );
+}
+
+/// A mass behind `conductance`, W/K, at the node that a port heats.
+fn mass(port: Port, driver: Driver, conductance: f64, tau: f64) -> GenericTerm {
+    let term = lagging(port, driver, (0.0, conductance), tau);
+    GenericTerm { lag: term.lag.map(|lag| Lag { difference: true, ..lag }), ..term }
+}
+
+/// The housing's own temperature is evaluated within a step, that of the winding is constant over it (`effects/generic_term.rs`).
+#[test]
+fn masses_converge_are_exchanged_and_saved() {
+    let sensor = lagging(Port::WindingSensor, Driver::HousingTemperature, (298.15, 0.1), 40.0);
+    let housing = |g: f64, tau: f64| mass(Port::HousingHeat, Driver::HousingTemperature, g, tau);
+    converge_are_exchanged_and_saved(1.7, &[housing(0.6, 70.0), housing(0.1, 400.0), sensor]);
+    let winding = mass(Port::WindingHeat, Driver::WindingTemperature, 0.2, 25.0);
+    converge_are_exchanged_and_saved(1.0, &[winding, housing(0.6, 70.0), sensor]);
+}
+
+/// A mass at the housing is a third node: the network of winding, housing and mass, integrated here with steps of 10 ms.
+#[test]
+fn a_mass_is_a_node() {
+    let (conductance, tau) = (0.6, 70.0);
+    let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
+    assert!(m.set_terms(&[mass(Port::HousingHeat, Driver::HousingTemperature, conductance, tau)]));
+    m.inputs.current_command = 5.0;
+    m.start(0.0).unwrap();
+    let p = m.parameters.clone();
+    let (motor, thermal) = (&p.motor, &p.thermal);
+    let ambient = m.inputs.ambient_temperature;
+    let mut t = [ambient; 3];
+    for k in 0..600 {
+        m.step(f64::from(k), 1.0).unwrap();
+        for _ in 0..100 {
+            let loss = 25.0 * motor.resistance(t[0]);
+            let (to_housing, to_mass) = ((t[0] - t[1]) / thermal.R_wh, conductance * (t[1] - t[2]));
+            let away = p.conductance.G_still * (t[1] - ambient);
+            let rates = [
+                (loss - to_housing) / thermal.C_w,
+                (to_housing - to_mass - away) / thermal.C_h,
+                to_mass / (conductance * tau),
+            ];
+            t.iter_mut().zip(rates).for_each(|(t, rate)| *t += 0.01 * rate);
+        }
+    }
+    let found = ["state.winding_temperature", "state.core_temperature"].map(|name| output(&mut m, name));
+    let lag = output(&mut m, "state.term_lag[1]") * Driver::HousingTemperature.nominal();
+    for (found, truth) in found.into_iter().chain([lag]).zip(t) {
+        assert!((found - truth).abs() < 0.02 && truth > ambient + 10.0, "{found} {truth}");
+    }
+}
+
+/// `order`: least order of convergence.
+fn converge_are_exchanged_and_saved(order: f64, terms: &[GenericTerm]) {
     let begun = || {
         let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
-        assert!(m.set_terms(&terms));
+        assert!(m.set_terms(terms));
         m.parameters.effects.coulomb_friction.tau_c = 0.01;
         (m.inputs.current_command, m.inputs.imposed_speed) = (5.0, 400.0);
         m.start(0.0).unwrap();
@@ -170,7 +226,7 @@ fn lags_are_of_second_order_exchanged_and_saved() {
         let found = after(&mut begun(), 0, n, 200.0 / f64::from(n));
         found.iter().zip(&truth).map(|(a, b)| ((a - b) / b).abs()).fold(0.0, f64::max)
     });
-    assert!(errors.windows(2).all(|e| (e[0] / e[1]).log2() > 1.7), "{errors:?}");
+    assert!(errors.windows(2).all(|e| (e[0] / e[1]).log2() > order), "{errors:?}");
 
     let mut exchanged = begun();
     exchanged.enter_model_exchange();
@@ -217,7 +273,7 @@ fn bent(driver: Driver, ends: [f64; 2], values: [f64; 3]) -> Law {
 #[test]
 fn derivatives_are_those_of_states_that_settle_within_a_step() {
     let after = |tau: f64, driver: Driver, port: Port, law: Law| GenericTerm {
-        lag: Some(Lag { driver, tau }),
+        lag: Some(Lag { driver, tau, difference: false }),
         ..GenericTerm::new(port, law)
     };
     let grid = |drivers: [Driver; 2], rows: [f64; 2], columns: [f64; 2]| {

@@ -19,7 +19,14 @@
 //!  "lag": {"driver": "winding_temperature", "tau": 400.0}}
 //! ```
 //! `z` has a row for each `x`; `tau` is in seconds. A lag replaces a driver of the term by its first-order lag; the drivers
-//! `copper_loss` and `friction_loss` require a lag.
+//! `copper_loss` and `friction_loss` require a lag. With `"difference": true` it replaces the driver by the lag less the present driver, which
+//! describes a mass: 50 J/K behind 0.5 W/K at the housing are
+//!
+//! ```json
+//! {"name": "flange", "port": "housing_heat", "coefficient": 5.0,
+//!  "drivers": [{"driver": "housing_temperature", "reference": 10.0}],
+//!  "lag": {"driver": "housing_temperature", "tau": 100.0, "difference": true}}
+//! ```
 //!
 //! Optional: the name (default: number of the term), the unit (that of the port), the drivers (none: a constant), the
 //! offset (0), the exponent (1) and the range of the driver, beyond which the term is constant (`"range": [0.0, 300.0]`; default: none). `physics/src/effects/generic_term.rs` documents the action of a term at each port.
@@ -158,6 +165,13 @@ pub struct LagText {
     pub driver: String,
     /// Time constant, s.
     pub tau: f64,
+    /// Whether the law has the lagged less the present driver.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub difference: bool,
+}
+
+fn is_false(flag: &bool) -> bool {
+    !*flag
 }
 
 impl TermsFile {
@@ -212,7 +226,11 @@ impl TermText {
             name: name.to_string(),
             port: term.port.name().to_string(),
             unit: Some(term.port.unit().name().to_string()),
-            lag: term.lag.map(|lag| LagText { driver: lag.driver.name().to_string(), tau: lag.tau }),
+            lag: term.lag.map(|Lag { driver, tau, difference }| LagText {
+                driver: driver.name().to_string(),
+                tau,
+                difference,
+            }),
             ..TermText::default()
         };
         match &term.law {
@@ -306,7 +324,13 @@ impl LagText {
             let all = if drivers.is_empty() { "none".to_string() } else { drivers.join(", ") };
             return Err(format!("lag.driver = \"{}\" is not a driver of the law: {all}", self.driver));
         }
-        Ok(Lag { driver, tau: self.tau })
+        if driver.is_heat() && self.difference {
+            return Err(format!(
+                "lag.difference needs the present {}, which is known only with a lag",
+                self.driver
+            ));
+        }
+        Ok(Lag { driver, tau: self.tau, difference: self.difference })
     }
 }
 

@@ -102,7 +102,7 @@ mod tests {
         };
         assert_eq!(of(power, None), [0.0, 8.0, 8.0]);
         assert_eq!(of(table, None), [0.0, -8.0, -8.0]);
-        let late = of(table, Some(Lag { driver: Driver::Speed, tau: 10.0 }));
+        let late = of(table, Some(Lag { driver: Driver::Speed, tau: 10.0, difference: false }));
         assert!(late[2] < late[1] && late[2] > -8.0, "{late:?}");
     }
 

@@ -74,7 +74,6 @@ impl Listed {
             shape: Shape::Listed { slots, with, stores: self.way == Way::Store },
             numbers,
             active: active.to_vec(),
-            late: None,
         })
     }
 }

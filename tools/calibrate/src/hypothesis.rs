@@ -41,6 +41,11 @@ pub enum Shape {
         /// The driver with offset and reference value; the exponent, unless it is a number of the addition.
         factor: Factor,
     },
+    /// Proportional to a driver: the coefficient.
+    Linear {
+        /// The driver with its reference value.
+        factor: Factor,
+    },
     /// A table over one or two drivers, with one number for each point; those of the last driver follow each other.
     Table {
         /// The drivers with their points.
@@ -89,8 +94,6 @@ pub struct Addition {
     pub numbers: Vec<Number>,
     /// Whether it is active, for each run.
     pub active: Vec<bool>,
-    /// The driver that a term follows with a first-order lag; its last number is then the time constant.
-    pub late: Option<Driver>,
 }
 
 /// Parameters of a table in the complexity penalty, for each point of a driver. Tuned: values of neighbouring points are correlated.
@@ -100,26 +103,27 @@ const POWERS_OF_LOSSES: (f64, f64) = (0.5, 3.0);
 /// Relative change of a time constant for its finite-difference sensitivity. Numerical: the error of the sensitivity is 0.1 %.
 const WAY: f64 = 1e-3;
 
-/// A driver with a first-order lag at the rows of a run, linear between rows; the initial state is the driver's initial value.
+/// What stands for a driver with a lag at the rows of a run, linear between rows; the initial state is the driver's initial value.
 pub fn followed(time: &[f64], drivers: &[Drivers], lag: Lag) -> Vec<f64> {
     let x = |row: usize| drivers[row].of(lag.driver);
     let mut all = Vec::with_capacity(time.len());
     let mut reached = x(0);
-    all.push(reached);
+    all.push(lag.seen(reached, x(0)));
     for row in 1..time.len() {
         let (from, to) = (x(row - 1), x(row));
         let along = [from, 0.5 * (from + to), to];
         reached = lagged(reached, lag.tau, along, time[row] - time[row - 1]);
-        all.push(reached);
+        all.push(lag.seen(reached, to));
     }
     all
 }
 
 impl Addition {
-    /// Index of its kind: listed effect, power law, table, law with a lag, table over two drivers.
+    /// Index of its kind: listed effect, power law, table, law with a lag, table over two drivers, mass.
     pub fn kind(&self) -> usize {
         match &self.shape {
-            _ if self.late.is_some() => 3,
+            Shape::Linear { .. } => 5,
+            _ if self.lag().is_some() => 3,
             Shape::Listed { .. } => 0,
             Shape::Power { .. } => 1,
             Shape::Table { axes, .. } => {
@@ -132,15 +136,15 @@ impl Addition {
         }
     }
 
-    /// The lag of its driver.
+    /// The lag of its driver; the last number is then the time constant.
     pub fn lag(&self) -> Option<Lag> {
-        Some(Lag { driver: self.late?, tau: self.numbers.last()?.value })
+        self.follows.lag(self.numbers.last()?.value)
     }
 
     /// Number of coefficients in which the term is linear: exponents, time constants and further parameters of a new node are not counted.
     pub fn sizes(&self) -> usize {
         match &self.shape {
-            Shape::Listed { .. } | Shape::Power { .. } => 1,
+            Shape::Listed { .. } | Shape::Power { .. } | Shape::Linear { .. } => 1,
             Shape::Table { axes, .. } => values(axes),
         }
     }
@@ -170,6 +174,11 @@ impl Addition {
         matches!(self.shape, Shape::Listed { .. })
     }
 
+    /// Whether it is a physical element: a listed effect or a mass.
+    pub fn is_element(&self) -> bool {
+        self.is_listed() || matches!(self.follows, Follows::Mass(_))
+    }
+
     /// Whether it is a table.
     pub fn is_table(&self) -> bool {
         matches!(self.shape, Shape::Table { .. })
@@ -189,7 +198,7 @@ impl Addition {
             self.port,
             Port::DragTorque | Port::TerminalVoltage | Port::WindingHeat | Port::HousingHeat
         ) && matches!(factor.driver, Driver::Speed | Driver::Current | Driver::LoadTorque)
-            && self.late.is_none();
+            && self.lag().is_none();
         let is_known = is_loss && (POWERS_OF_LOSSES.0..=POWERS_OF_LOSSES.1).contains(&exponent);
         Factor { exponent, range: if is_known { Factor::UNLIMITED } else { factor.range }, ..*factor }
     }
@@ -204,6 +213,10 @@ impl Addition {
                 let factors = [(factor.exponent != 0.0).then_some(factor), None, None];
                 Law::Product(Product { coefficient, factors })
             }
+            Shape::Linear { factor } => Law::Product(Product {
+                coefficient: self.numbers[0].value,
+                factors: [Some(*factor), None, None],
+            }),
             Shape::Table { axes, .. } => {
                 let values = self.values();
                 match &axes[..] {
@@ -259,6 +272,7 @@ impl Addition {
                     0.0
                 }
             }
+            Shape::Linear { factor } => factor.of(drivers.of(factor.driver)),
             Shape::Table { axes, .. } => weight(axes, number, |driver| drivers.of(driver)),
         }
     }

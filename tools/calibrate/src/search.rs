@@ -162,6 +162,7 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
     all.extend(of_two(point, &ports, &shapes, per_number));
     all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
     all.extend(hidden::lagging(point, &ports, per_number));
+    all.extend(hidden::masses(point, per_number));
     all.extend(parallel::flat_map(&ports, |port| histories(point, *port, per_number)));
     all.extend(free);
     leave_to_the_air(&mut all);

@@ -22,10 +22,10 @@ use crate::outcome::{Evidence, Follows};
 use crate::parallel;
 use crate::search::{Scored, choice};
 use crate::setup::{BLOCKS, Setup};
-pub use companion::companion;
+pub use companion::{beside, companion};
 use gate::{Judged, gate, implausible};
 pub use gate::{asked, predicts_where_it_acts};
-use preference::{is_listed_part, is_part, law_elsewhere, order_by_likelihood};
+use preference::{is_element_of, is_part, law_elsewhere, order_by_likelihood};
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
 /// 3.2.
@@ -39,11 +39,11 @@ const TEMPER: f64 = SAMPLES / BLOCKS as f64;
 /// Difference of the cost within which two explanations cannot be distinguished. Derivation: [`NEAR`] for a likelihood to the power
 /// [`TEMPER`].
 pub const ALIKE: f64 = NEAR / TEMPER;
-/// Numbers of candidates with distinct names: effects of the list, power laws, shapes, laws with a lag, shapes over two drivers. Numerical: a limit of effort; the
-/// others explain less to first order.
-const CANDIDATES: [usize; 5] = [6, 2, 2, 2, 2];
+/// Numbers of candidates with distinct names: effects of the list, power laws, shapes, laws with a lag, shapes over two
+/// drivers, masses. Numerical: a limit of effort; the others explain less to first order.
+const CANDIDATES: [usize; 6] = [6, 2, 2, 2, 2, 2];
 /// Numbers of additional candidates, ranked by the other measure. Numerical: as for [`CANDIDATES`].
-const FURTHER: [usize; 5] = [3, 1, 1, 1, 1];
+const FURTHER: [usize; 6] = [3, 1, 1, 1, 1, 1];
 /// Fraction of the best evidence to first order below which a candidate is not fitted. Numerical: a limit of effort; of 178 candidates that
 /// were accepted in 120 development sets of the blind suite, none was below.
 const BEHIND: f64 = 0.3;
@@ -105,7 +105,7 @@ pub struct Round<'a> {
     excuse: Option<&'static str>,
     /// Candidates that the data cannot distinguish from it.
     pub alike: Vec<usize>,
-    /// A listed effect that also passes and may be a part of the accepted law: [`is_listed_part`](preference::is_listed_part).
+    /// A listed effect that also passes and may be a part of the accepted law: [`is_element_of`](preference::is_element_of).
     pub part: Option<usize>,
     /// Candidates that could not be fitted, with the reason.
     failed: Vec<(Scored, CalibrateError)>,
@@ -277,7 +277,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     let alike = taken.map_or_else(Vec::new, |t| self::alike(point, &candidates, t));
     let part = taken.and_then(|t| {
         let law = candidates[t].addition().clone();
-        let is_part = |c: &Candidate| c.refused.is_none() && is_listed_part(c.addition(), &law);
+        let is_part = |c: &Candidate| c.refused.is_none() && is_element_of(c.addition(), &law);
         candidates.iter_mut().position(|c| is_part(c) && c.judge(point))
     });
     let first = candidates.iter().position(|c| at_limit(c.addition()).is_none());

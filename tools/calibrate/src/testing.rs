@@ -114,7 +114,6 @@ pub fn law(port: Port, follows: Follows) -> Addition {
         shape: Shape::Power { factor },
         numbers: Vec::new(),
         active: Vec::new(),
-        late: None,
     }
 }
 

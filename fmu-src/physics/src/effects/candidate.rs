@@ -1,6 +1,6 @@
 //! Forms in which `close-loop` searches for an effect: declared with the effect, read by the crate `calibrate`.
 
-use crate::terms::{Driver, Port};
+use crate::terms::{Driver, Lag, Port};
 
 /// Time dependence of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +13,8 @@ pub enum Follows {
     Both(Driver, Driver),
     /// A first-order lag of a driver: an additional state.
     Late(Driver),
+    /// A first-order lag of a driver less the driver: a mass attached to the node of this temperature.
+    Mass(Driver),
     /// Past values: a latch, hysteresis or an intermittent effect.
     History,
 }
@@ -21,11 +23,20 @@ impl Follows {
     /// Its drivers.
     pub fn drivers(self) -> impl Iterator<Item = Driver> {
         let all = match self {
-            Follows::Driver(driver) | Follows::Late(driver) => [Some(driver), None],
+            Follows::Driver(driver) | Follows::Late(driver) | Follows::Mass(driver) => [Some(driver), None],
             Follows::Both(first, second) => [Some(first), Some(second)],
             Follows::Nothing | Follows::History => [None; 2],
         };
         all.into_iter().flatten()
+    }
+
+    /// The lag with this time constant, if there is one.
+    pub fn lag(self, tau: f64) -> Option<Lag> {
+        match self {
+            Follows::Late(driver) => Some(Lag { driver, tau, difference: false }),
+            Follows::Mass(driver) => Some(Lag { driver, tau, difference: true }),
+            _ => None,
+        }
     }
 
     /// Its name in reports; `None` if it is constant.

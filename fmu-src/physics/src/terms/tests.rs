@@ -147,16 +147,35 @@ fn a_grid_is_bilinear_inside_and_held_outside() {
 #[test]
 fn a_lagged_driver_is_the_state_of_its_lag() {
     let law = product(2.0, [factor(Driver::WindingTemperature, 10.0, 300.0, 1.0), None, None]).law;
-    let lag = Some(Lag { driver: Driver::WindingTemperature, tau: 60.0 });
+    let lag = Some(Lag { driver: Driver::WindingTemperature, tau: 60.0, difference: false });
     let term = GenericTerm { port: Port::TorqueConstant, law, lag };
     let live = Some((Driver::WindingTemperature, Dual64::from(400.0).derivative()));
     let late = term.along_as(0, &AT, live);
     assert_eq!((late.re, late.eps), (4.0, 0.0));
     assert!(!term.follows(Driver::WindingTemperature) && term.is_whole());
     let heat = product(1.0, [factor(Driver::CopperLoss, 1.0, 0.0, 1.0), None, None]);
-    let lag = |driver, tau| GenericTerm { lag: Some(Lag { driver, tau }), ..heat };
+    let lag = |driver, tau| GenericTerm { lag: Some(Lag { driver, tau, difference: false }), ..heat };
     assert!(!heat.is_whole() && lag(Driver::CopperLoss, 60.0).is_whole());
     assert!(!lag(Driver::Speed, 60.0).is_whole() && !lag(Driver::CopperLoss, 0.0).is_whole());
+}
+
+/// 0.5 W/K to a mass of 330 K, from a node at 350 K: the node loses 10 W, and 0.5 W more with each kelvin.
+#[test]
+fn a_mass_gives_the_heat_of_the_difference() {
+    let law = product(1.0, [factor(Driver::HousingTemperature, 2.0, 0.0, 1.0), None, None]).law;
+    let lag = Lag { driver: Driver::HousingTemperature, tau: 60.0, difference: true };
+    let term = GenericTerm { port: Port::HousingHeat, law, lag: Some(lag) };
+    let at = Drivers { housing_temperature: 350.0, lagged: [0.0, 330.0, 0.0], ..AT };
+    let live = Some((Driver::HousingTemperature, Dual64::from(350.0).derivative()));
+    let heat = term.along_as(1, &at, live);
+    assert_eq!((heat.re, heat.eps), (-10.0, -0.5));
+    assert_eq!(term.along_as(1, &at, None::<(Driver, f64)>), -10.0);
+    assert_eq!(term.along_as(1, &at, Some((Driver::Speed, 5.0))), -10.0, "another driver within the step");
+    assert!(term.follows(Driver::HousingTemperature) && !term.follows(Driver::Speed) && term.is_whole());
+    // The present heat flow is unknown when the terms are evaluated.
+    let of_heat = Lag { driver: Driver::CopperLoss, ..lag };
+    let law = product(1.0, [factor(Driver::CopperLoss, 1.0, 0.0, 1.0), None, None]).law;
+    assert!(!GenericTerm { law, lag: Some(of_heat), ..term }.is_whole());
 }
 
 #[test]

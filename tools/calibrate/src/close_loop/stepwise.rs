@@ -8,7 +8,7 @@ use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, search};
 use crate::selection::{
-    ALIKE, Candidate, LEAST, NEAR, Round, asked, companion, compete, predicts_where_it_acts,
+    ALIKE, Candidate, LEAST, NEAR, Round, asked, beside, companion, compete, predicts_where_it_acts,
 };
 use physics::terms::MOST_TERMS;
 
@@ -100,8 +100,8 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// A law may stand in for two effects. If a listed effect that may be its part, together with what is then found, explains as much, both are
-    /// accepted instead: they say more, and neither is a law of two drivers. Returns whether the round has an accepted candidate.
+    /// A law may stand in for two effects. If a physical element that may be its part, together with what is then found, explains as much, both
+    /// are accepted instead: they say more, and continue beyond the data. Returns whether the round has an accepted candidate.
     fn two_instead(&mut self, round: Round<'a>) -> bool {
         let law = round.winner().map(Candidate::sure).filter(|_| self.rounds.len() + 1 < MOST_TERMS);
         let Some((k, law)) = round.part.zip(law) else { return self.push(round) };
@@ -109,9 +109,9 @@ impl<'a> Search<'a> {
         let scored = Linearization::new(self.setup, part.point.fitted.clone(), &self.first.runs);
         // Otherwise the law stands.
         let Ok(scored) = scored.map(|point| search(&point)) else { return self.push(round) };
-        let second = compete(&part.point, &part.point.fitted.hypothesis, &scored);
-        let both = second.winner().filter(|next| next.is_simple()).map(|next| part.sure() + next.sure());
-        if both.is_none_or(|both| both < law - ALIKE) {
+        let least = law - ALIKE - part.sure();
+        let second = beside(&part.point, &part.point.fitted.hypothesis, &scored, least);
+        if second.taken.is_none() {
             return self.push(round);
         }
         self.rounds.push(round.with_taken(k, "together with what comes next it explains as much as a law"));
@@ -207,7 +207,7 @@ impl<'a> Search<'a> {
         if let Some(winner) = round.winner().filter(is_as_good) {
             let same = (&winner.addition().id, winner.addition().port) == (&own.id, own.port);
             self.rounds.remove(0);
-            self.rounds.push(round);
+            self.two_instead(round);
             return Ok(!same);
         }
         // The addition is kept, in last position.

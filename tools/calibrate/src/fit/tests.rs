@@ -130,7 +130,6 @@ fn a_point_without_data_has_the_value_of_its_prior() {
         },
         numbers: [0.0, 0.0, 0.5].map(number).to_vec(),
         active: vec![true],
-        late: None,
     };
     let start = Hypothesis { additions: vec![table], ..setup.preset() };
     let fitted = setup.fit(start, &[0]).unwrap();

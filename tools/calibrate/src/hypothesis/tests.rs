@@ -13,7 +13,6 @@ fn addition(shape: Shape, numbers: &[f64]) -> Addition {
         shape,
         numbers: numbers.iter().map(|x| number(*x, true)).collect(),
         active: vec![true],
-        late: None,
     }
 }
 
@@ -28,22 +27,35 @@ fn slopes_of_a_lag_are_those_of_its_law() {
     let time: Vec<f64> = (0..200).map(|k| 3.0 * f64::from(k)).collect();
     let drivers: Vec<Drivers> = time.iter().map(|t| at(300.0 + 200.0 * (t / 40.0).sin())).collect();
     let factor = speed_to(1.0);
-    let with = |numbers: &[f64]| Addition {
-        late: Some(Driver::Speed),
-        ..addition(Shape::Power { factor }, numbers)
-    };
+    let (late, mass) = (Follows::Late(Driver::Speed), Follows::Mass(Driver::Speed));
+    for (follows, shape, numbers) in [
+        (late, Shape::Power { factor }, &[0.3, 1.4, 60.0][..]),
+        (mass, Shape::Linear { factor }, &[0.3, 60.0]),
+    ] {
+        slopes_are_differences(&time, &drivers, numbers, |numbers| Addition {
+            follows,
+            ..addition(shape.clone(), numbers)
+        });
+    }
+}
+
+fn slopes_are_differences(
+    time: &[f64],
+    drivers: &[Drivers],
+    numbers: &[f64],
+    with: impl Fn(&[f64]) -> Addition,
+) {
     let values = |numbers: &[f64]| -> Vec<f64> {
         let own = with(numbers);
         let term = own.term().unwrap();
-        let reached = followed(&time, &drivers, own.lag().unwrap());
+        let reached = followed(time, drivers, own.lag().unwrap());
         reached.iter().map(|z| term.value(&at(*z))).collect()
     };
-    let numbers = [0.3, 1.4, 60.0];
-    for k in 0..3 {
-        let (mut more, mut less) = (numbers, numbers);
+    for k in 0..numbers.len() {
+        let (mut more, mut less) = (numbers.to_vec(), numbers.to_vec());
         more[k] *= 1.0 + 1e-5;
         less[k] *= 1.0 - 1e-5;
-        let slopes = with(&numbers).slopes(k, &time, &drivers);
+        let slopes = with(numbers).slopes(k, time, drivers);
         let pairs = values(&more).into_iter().zip(values(&less));
         let truth: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2e-5 * numbers[k])).collect();
         let most = truth.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
@@ -51,7 +63,7 @@ fn slopes_of_a_lag_are_those_of_its_law() {
             assert!((slope - own).abs() <= 2e-3 * most, "{k} {row}");
         }
     }
-    let start = with(&numbers).slopes(2, &time, &drivers)[0];
+    let start = with(numbers).slopes(numbers.len() - 1, time, drivers)[0];
     assert_eq!(start, 0.0);
 }
 
@@ -134,8 +146,9 @@ fn a_table_over_two_drivers_is_linear_in_its_values() {
 #[test]
 fn only_losses_continue_beyond_the_data() {
     let of = |port: Port, driver: Driver, exponent: f64, late: Option<Driver>| {
+        let follows = late.map_or(Follows::Driver(driver), Follows::Late);
         let factor = Factor { driver, offset: 0.0, reference: 10.0, exponent: 1.0, range: (0.0, 20.0) };
-        let own = Addition { port, late, ..addition(Shape::Power { factor }, &[1.0, exponent]) };
+        let own = Addition { port, follows, ..addition(Shape::Power { factor }, &[1.0, exponent]) };
         let at = |x: f64| own.term().unwrap().value(&Drivers::default().with(driver, x));
         at(40.0) > at(20.0)
     };

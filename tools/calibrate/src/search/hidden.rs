@@ -3,9 +3,17 @@
 //! A node that the model lacks (magnets, bearing) follows the adjacent temperature or heat flow with a lag. Its time constant is profiled:
 //! for each time constant of a series, the linearised model gives the response to the lagged driver, and a law linear in it is scored. The
 //! fit by simulation then estimates all parameters, including the time constant.
+//!
+//! Q = G (z - T),   C dz/dt = G (T - z)
+//!
+//! is the heat of a mass of capacity C that is attached to a node of temperature T by the conductance G. Since heat conduction is linear, it
+//! continues beyond the data; two parameters are enough, and both are positive. A mass that also gives off heat to ambient differs from this
+//! one by a conductance between T and ambient.
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
-use super::laws::{alike, coefficient, exponent, is_known, knots, number, scale, term, value, varies};
+use super::laws::{
+    LEAST_REFERENCE, alike, coefficient, exponent, is_known, knots, number, scale, term, value, varies,
+};
 use super::{Scored, choice, scored};
 use crate::evidence::Gain;
 use crate::hypothesis::{Axis, Number, Shape, followed, hat, power};
@@ -43,6 +51,14 @@ impl Late {
         Late { lag, reached, factor }
     }
 
+    /// Without limits: of a mass.
+    fn unlimited(point: &Linearization, driver: Driver, tau: f64) -> Late {
+        let late = Late::new(point, Lag { driver, tau, difference: true });
+        let reference = late.reached.iter().flatten().fold(LEAST_REFERENCE, |most, x| most.max(x.abs()));
+        let factor = Factor { offset: 0.0, reference, range: Factor::UNLIMITED, ..late.factor };
+        Late { factor, ..late }
+    }
+
     fn value(&self, r: usize, row: usize, exponent: f64) -> f64 {
         power(&self.factor, self.reached[r][row], exponent)
     }
@@ -72,7 +88,9 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
         .filter(|d| *d != Driver::Time && is_known(point, *d) && varies(point, *d) && moves(*d))
         .collect();
     let tried: Vec<(Driver, f64)> = drivers.iter().flat_map(|d| taus.iter().map(|tau| (*d, *tau))).collect();
-    let late = parallel::map(&tried, |(driver, tau)| Late::new(point, Lag { driver: *driver, tau: *tau }));
+    let late = parallel::map(&tried, |(driver, tau)| {
+        Late::new(point, Lag { driver: *driver, tau: *tau, difference: false })
+    });
     let places: Vec<(Port, Driver)> =
         ports.iter().flat_map(|p| drivers.iter().map(move |d| (*p, *d))).collect();
     let find = |(port, driver): &(Port, Driver)| {
@@ -92,6 +110,31 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
         |s: &Scored| measured.iter().any(|(port, sure)| *port == s.port && *sure > NEARLY * s.sure());
     found.retain(|s| !is_of_heat(s) || !as_well(s));
     found
+}
+
+/// A mass attached to a node, for each node with a thermometer: the time constant that explains most, with a positive conductance.
+pub(super) fn masses(point: &Linearization, per_number: f64) -> Vec<Scored> {
+    let taus = time_constants(point);
+    let of = |(port, driver): &(Port, Driver)| {
+        if !is_known(point, *driver) || !varies(point, *driver) {
+            return None;
+        }
+        let late: Vec<Late> = taus.iter().map(|tau| Late::unlimited(point, *driver, *tau)).collect();
+        let columns = point.port_columns(*port, late.len(), |k, r, row, _| late[k].value(r, row, 1.0))?;
+        let gains = late.iter().zip(point.evidence.gains(&columns));
+        let (best, gain) = best(gains.map(|(late, gain)| (late, gain.filter(|gain| gain.size[0] > 0.0))))?;
+        let follows = Follows::Mass(*driver);
+        let name = format!("{} of a mass", port.name());
+        let cost = 2.0 * per_number + choice(*port, follows);
+        let mut found = scored(name, *port, follows, &gain, cost, &[0.0]);
+        let size = Number { limits: (0.0, f64::INFINITY), ..coefficient(*port, &gain) };
+        let numbers = vec![size, time_constant(best, &taus)];
+        found.addition = Some(term(point, (*port, follows), Shape::Linear { factor: best.factor }, numbers));
+        Some(found)
+    };
+    let nodes =
+        [(Port::HousingHeat, Driver::HousingTemperature), (Port::WindingHeat, Driver::WindingTemperature)];
+    parallel::flat_map(&nodes, of)
 }
 
 fn is_of_heat(scored: &Scored) -> bool {

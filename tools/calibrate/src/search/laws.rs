@@ -187,7 +187,6 @@ pub(super) fn term(
         shape,
         numbers,
         active: vec![true; point.setup.experiment.runs.len()],
-        late: if let Follows::Late(driver) = follows { Some(driver) } else { None },
     }
 }
 

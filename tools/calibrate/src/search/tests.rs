@@ -114,9 +114,9 @@ fn a_hidden_state_is_found_with_its_time_constant() {
         range: Factor::UNLIMITED,
     };
     let law = Law::Product(Product { coefficient: -0.02, factors: [Some(factor), None, None] });
-    let lag = Some(Lag { driver: Driver::WindingTemperature, tau: 250.0 });
+    let lag = Some(Lag { driver: Driver::WindingTemperature, tau: 250.0, difference: false });
     found_of(GenericTerm { port: Port::TorqueConstant, law, lag }, |point, scored| {
-        let late = |s: &&Scored| s.addition.as_ref().is_some_and(|a| a.late.is_some());
+        let late = |s: &&Scored| s.addition.as_ref().is_some_and(|a| a.lag().is_some());
         // The housing itself lags behind the winding: port and memory are identified at once, the driver only after the fit.
         let best = scored.iter().find(late).unwrap();
         assert!(

@@ -1,4 +1,4 @@
-//! The second effect of two that only together predict better.
+//! The second effect of two: of two that only together predict better, and of two in place of one law.
 
 use super::{LEAST, Round, candidates, release};
 use crate::hypothesis::Hypothesis;
@@ -11,6 +11,22 @@ pub fn companion<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Sc
     let mut round = candidates(point, start, scored);
     round.taken = round.candidates.iter_mut().position(|c| c.refused.is_none() && c.judge_for(point, LEAST));
     round.excuse = Some("of all candidates, both together explain most");
+    release(&mut round.candidates, &[round.taken]);
+    round
+}
+
+/// What stands beside a physical element in place of a law: of the candidates that pass and explain at least this much, a physical element if
+/// there is one, else a law of one present driver.
+pub fn beside<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored], least: f64) -> Round<'a> {
+    let mut round = candidates(point, start, scored);
+    let mut eligible: Vec<usize> = (0..round.candidates.len()).collect();
+    eligible.retain(|k| {
+        let own = &round.candidates[*k];
+        own.refused.is_none() && own.sure() >= least && (own.addition().is_element() || own.is_simple())
+    });
+    eligible.sort_by_key(|k| !round.candidates[*k].addition().is_element());
+    round.taken = eligible.into_iter().find(|k| round.candidates[*k].judge(point));
+    round.excuse = Some("together with what comes before it explains as much as a law");
     release(&mut round.candidates, &[round.taken]);
     round
 }

@@ -82,7 +82,7 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
 /// Reason why a candidate is no physical explanation of the fit runs, whatever it predicts.
 pub fn implausible(before: &Linearization, candidate: &Candidate) -> Option<String> {
     let addition = candidate.addition();
-    if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
+    if addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
         return Some(format!("{} would have to be negative", addition.numbers[0].symbol));
     }
     at_limit(addition)

@@ -60,11 +60,13 @@ pub fn is_part(own: &Addition, whole: &Addition) -> bool {
         && own.port == whole.port
 }
 
-/// Whether a listed effect may be a part of a law at its port: a law of two drivers that has its driver, or an effect without a driver, the
-/// constant part of every law.
-pub fn is_listed_part(own: &Addition, law: &Addition) -> bool {
+/// Whether a physical element may be a part of a law at its port: a listed effect of a law of two drivers that has its driver, one without a
+/// driver of every law, a mass of a law over a lag of its temperature.
+pub fn is_element_of(own: &Addition, law: &Addition) -> bool {
     let is_constant = own.follows == Follows::Nothing && own.port == law.port;
-    own.is_listed() && !law.is_listed() && (is_constant || is_part(own, law))
+    let is_mass = matches!((own.follows, law.follows), (Follows::Mass(a), Follows::Late(b)) if a == b);
+    (own.is_listed() && !law.is_listed() && (is_constant || is_part(own, law)))
+        || (is_mass && own.port == law.port)
 }
 
 /// Number of [`ODDITIES`] of a law.
@@ -131,13 +133,13 @@ mod tests {
         let setup = Setup::new(&experiment, &[]).unwrap();
         let windage = testing::addition(&setup, "windage", 1e-8);
         let both = |port| law(port, Follows::Both(Driver::HousingTemperature, Driver::Speed));
-        assert!(is_listed_part(&windage, &both(Port::DragTorque)));
-        assert!(!is_listed_part(&windage, &both(Port::HousingHeat)));
+        assert!(is_element_of(&windage, &both(Port::DragTorque)));
+        assert!(!is_element_of(&windage, &both(Port::HousingHeat)));
         // A law of its driver alone is another form of the same effect, and no second one.
         let single = law(Port::DragTorque, Follows::Driver(Driver::Speed));
-        assert!(!is_listed_part(&windage, &single) && !is_listed_part(&single, &both(Port::DragTorque)));
+        assert!(!is_element_of(&windage, &single) && !is_element_of(&single, &both(Port::DragTorque)));
         let offset = testing::addition(&setup, "winding_sensor_offset", 1.0);
-        assert!(is_listed_part(&offset, &law(Port::WindingSensor, Follows::Driver(Driver::Current))));
+        assert!(is_element_of(&offset, &law(Port::WindingSensor, Follows::Driver(Driver::Current))));
     }
 
     /// A law that is less probable before any data: at a sensor, over the temperature of the other node, over a heat that the model computes.

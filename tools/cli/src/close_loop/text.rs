@@ -38,6 +38,10 @@ pub fn driver(follows: Follows) -> String {
         Follows::Late(driver) => {
             return self::driver(Follows::Driver(driver)) + " with a first-order lag";
         }
+        Follows::Mass(driver) => {
+            let node = plain(driver.name()).replace(" temperature", "");
+            return format!("is the heat of a mass that is attached to the {node}");
+        }
         Follows::Driver(driver) => match driver {
             Driver::Speed => "follows the speed",
             Driver::Current => "follows the current",
@@ -76,7 +80,9 @@ pub fn with_unit(value: f64, unit: &str) -> String {
 /// A term's law: an equation, a table or a grid, and its lag.
 pub fn law(term: &GenericTerm) -> String {
     let late = |lag: Lag| {
-        format!("; {} with a first-order lag of {}", plain(lag.driver.name()), with_unit(lag.tau, "s"))
+        let (driver, tau) = (plain(lag.driver.name()), with_unit(lag.tau, "s"));
+        let less = if lag.difference { " less its present value" } else { "" };
+        format!("; {driver} with a first-order lag of {tau}{less}")
     };
     present_law(term) + &term.lag.map(late).unwrap_or_default()
 }

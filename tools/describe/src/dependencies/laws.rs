@@ -49,7 +49,7 @@ mod tests {
                 Factor { driver: Driver::Speed, offset: 0.0, reference: 100.0, exponent: 1.0, range };
             Law::Product(Product { coefficient: 0.01, factors: [Some(factor), None, None] })
         };
-        let late = Some(Lag { driver: Driver::Speed, tau: 90.0 });
+        let late = Some(Lag { driver: Driver::Speed, tau: 90.0, difference: false });
         for (port, lag) in [(Port::TorqueConstant, late), (Port::DragTorque, None)] {
             let of = |law: Law| declared(kind, GenericTerm { port, law, lag });
             let whole = of(power(Factor::UNLIMITED));

@@ -100,7 +100,7 @@ impl AnnulusCooledMotor {
         let mut mean = from.middle(&to);
         if !self.own.constants.holds_states {
             for (k, lag) in self.lags_of_terms().iter().enumerate() {
-                if let Some(Lag { driver, tau }) = *lag {
+                if let Some(Lag { driver, tau, .. }) = *lag {
                     let source = [&from, &mean, &to].map(|drivers| drivers.of(driver));
                     to.lagged[k] = lagged(from.lagged[k], tau, source, h);
                     mean.lagged[k] = mean_lagged([from.lagged[k], to.lagged[k]], tau, source, h);

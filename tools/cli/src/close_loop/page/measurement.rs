@@ -126,9 +126,9 @@ fn run_for(follows: Follows, port: Port, experiment: &Experiment) -> String {
                  is measured directly."
             )
         }
-        Follows::Driver(driver) | Follows::Late(driver) => {
+        Follows::Driver(driver) | Follows::Late(driver) | Follows::Mass(driver) => {
             let own = ranged(driver, experiment);
-            let late = if matches!(follows, Follows::Late(_)) {
+            let late = if matches!(follows, Follows::Late(_) | Follows::Mass(_)) {
                 " Hold each step for at least three lags, and log the steps with short rows."
             } else {
                 ""
