@@ -343,6 +343,22 @@ impl GenericTerm {
         }
     }
 
+    /// Conductance, W/K, and heat capacity, J/K, if it is a mass at the node that its port heats.
+    pub fn mass(&self) -> Option<[f64; 2]> {
+        let lag = self.lag.filter(|lag| lag.difference)?;
+        let Law::Product(Product { coefficient, factors: [Some(factor), None, None] }) = self.law else {
+            return None;
+        };
+        let is_at_node = matches!(
+            (self.port, factor.driver),
+            (Port::WindingHeat, Driver::WindingTemperature) | (Port::HousingHeat, Driver::HousingTemperature)
+        );
+        let is_linear = factor.exponent == 1.0 && factor.offset == 0.0 && factor.range == Factor::UNLIMITED;
+        let conductance = coefficient / factor.reference;
+        (is_at_node && is_linear && lag.driver == factor.driver)
+            .then_some([conductance, conductance * lag.tau])
+    }
+
     /// Whether it depends on the present value of this driver.
     pub fn follows(&self, driver: Driver) -> bool {
         self.lag.is_none_or(|lag| lag.driver != driver || lag.difference)

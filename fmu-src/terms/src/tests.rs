@@ -24,6 +24,22 @@ fn grids_and_lags_are_read() {
     assert_eq!(again.terms().unwrap(), terms);
 }
 
+/// The mass of the documentation: 0.5 W/K, of which 20 K less than the housing take 10 W from it; of a heat flow there is no difference.
+#[test]
+fn a_mass_is_read_and_written() {
+    let text = r#"{"format": "motor-fmu effects 1", "terms": [
+        {"port": "housing_heat", "coefficient": 5.0, "drivers": [{"driver": "housing_temperature", "reference": 10.0}],
+         "lag": {"driver": "housing_temperature", "tau": 100.0, "difference": true}}]}"#;
+    let terms = TermsFile::parse(text, "x.json").unwrap().terms().unwrap();
+    let at = Drivers { housing_temperature: 340.0, lagged: [320.0, 0.0, 0.0], ..Drivers::default() };
+    assert_eq!(terms[0].along_as(0, &at, None::<(physics::terms::Driver, f64)>), -10.0);
+    let again = TermsFile::new(vec![TermText::of("", &terms[0])]).text();
+    assert!(again.contains("\"difference\": true"), "{again}");
+    assert_eq!(TermsFile::parse(&again, "y.json").unwrap().terms().unwrap(), terms);
+    let of_heat = text.replace("housing_temperature", "copper_loss");
+    assert!(error_of(&of_heat).contains("lag.difference"), "{}", error_of(&of_heat));
+}
+
 fn error_of(text: &str) -> String {
     let sentence = TermsFile::parse(text, "x.json").unwrap_err().to_string();
     assert!(!sentence.contains('\n') && sentence.starts_with("x.json"), "{sentence}");

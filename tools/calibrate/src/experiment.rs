@@ -9,7 +9,7 @@ mod table;
 pub mod units;
 
 pub use channel::{CELSIUS, CHANNELS, Channel};
-pub use table::Table;
+pub use table::{Table, clipped};
 
 use crate::CalibrateError;
 use physics::declare::{Causality, Kind};

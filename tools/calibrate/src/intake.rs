@@ -7,6 +7,7 @@
 //!
 //! The model is that of the preset, unfitted; the checks therefore allow for all parameter values within the priors.
 
+mod clipped;
 mod clocks;
 mod consistency;
 mod dead_torque;
@@ -27,6 +28,7 @@ use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
 use physics::declare::Unit;
 use physics::model::Declaration;
+use signals::LEAST_JUMP;
 
 /// Fewest rows of a run that can be fitted. Derivation: five rows have three second differences, the fewest with a median.
 const LEAST_ROWS: usize = 5;
@@ -93,7 +95,7 @@ pub fn check(
 /// All checks except that of the clocks.
 fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<(), Refusal> {
     enough(experiment)?;
-    if let Some(unusable) = outside_limits(experiment) {
+    if let Some(unusable) = outside_limits(experiment).or_else(|| clipped::input(experiment)) {
         return Err(Refusal::Unusable(unusable));
     }
     let spikes = signals::set_aside(experiment);
@@ -268,40 +270,48 @@ fn deviations(
     all
 }
 
-/// Run declared to start at ambient temperature although every node deviates from it by more than any sensor error.
-fn start_elsewhere(experiment: &Experiment) -> Option<Unusable> {
+/// Run declared to start at ambient temperature although every node deviates from it by more than any sensor error. A deviation beyond the
+/// error of one working thermometer is a note: the motor may be warm, or the ambient temperature that of another place.
+fn start_elsewhere(experiment: &mut Experiment) -> Option<Unusable> {
+    let column = experiment.inputs.iter().find(|c| c.input == Some("ambient_temperature"))?.column;
+    let mut notes = Vec::new();
+    for run in experiment.runs.iter().filter(|run| run.start == Start::Ambient) {
+        let Some(zero) = ambient(experiment, run).first().copied() else { continue };
+        let nodes = first_rises(experiment, run, zero);
+        let is_off = |least: f64| {
+            let off = |sign: f64| nodes.iter().all(|(_, off)| sign * off > least);
+            nodes.len() > 1 && (off(1.0) || off(-1.0))
+        };
+        if !is_off(LEAST_JUMP) {
+            continue;
+        }
+        let words: Vec<String> = nodes.iter().map(|(name, off)| format!("{name} by {off:.1} K")).collect();
+        let reason = format!(
+            "the first readings in {} differ from {column} ({:.1} degC): {}; a run starts at the ambient temperature",
+            run.file,
+            zero - CELSIUS,
+            words.join(", ")
+        );
+        let suggestion = format!(
+            "state start = \"measured\" in [[run]] if the motor was warm, else check the sensor of {column} and its place"
+        );
+        if is_off(FAR) {
+            return Some(Unusable { channel: column.to_string(), reason, suggestion });
+        }
+        notes.push(format!("{reason}: {suggestion}"));
+    }
+    experiment.notes.extend(notes);
+    None
+}
+
+/// First readings of each thermometer of the motor in a run, above this temperature, K.
+fn first_rises(experiment: &Experiment, run: &Run, zero: f64) -> Vec<(&'static str, f64)> {
     /// Number of first readings. Derivation: the median of three tolerates one outlier.
     const FIRST: usize = 3;
     let inputs = experiment.inputs.len();
-    let column = experiment.inputs.iter().find(|c| c.input == Some("ambient_temperature"))?.column;
-    experiment.runs.iter().filter(|run| run.start == Start::Ambient).find_map(|run| {
-        let zero = ambient(experiment, run).first().copied()?;
-        let first = |k: usize| median(run.table.columns[inputs + k].iter().copied().take(FIRST));
-        let nodes: Vec<(&str, f64)> = experiment
-            .outputs
-            .iter()
-            .enumerate()
-            .filter(|(_, c)| c.node().is_some())
-            .map(|(k, c)| (c.column, first(k) - zero))
-            .filter(|(_, off)| off.is_finite())
-            .collect();
-        let off = |sign: f64| nodes.len() > 1 && nodes.iter().all(|(_, off)| sign * off > FAR);
-        (off(1.0) || off(-1.0)).then(|| {
-            let words: Vec<String> = nodes.iter().map(|(name, off)| format!("{name} by {off:.1} K")).collect();
-            Unusable {
-                channel: column.to_string(),
-                reason: format!(
-                    "the first readings in {} differ from {column} ({:.1} degC): {}; a run starts at the ambient temperature",
-                    run.file,
-                    zero - CELSIUS,
-                    words.join(", ")
-                ),
-                suggestion: format!(
-                    "state start = \"measured\" in [[run]] if the motor was warm, else check the sensor of {column}"
-                ),
-            }
-        })
-    })
+    let first = |k: usize| median(run.table.columns[inputs + k].iter().copied().take(FIRST));
+    let nodes = experiment.outputs.iter().enumerate().filter(|(_, c)| c.node().is_some());
+    nodes.map(|(k, c)| (c.column, first(k) - zero)).filter(|(_, off)| off.is_finite()).collect()
 }
 
 /// The ambient temperature at each row of a run, K; blank without such a column.

@@ -9,7 +9,8 @@
 //! | at every port a latent input (unconstrained in time) | as many as the evidence supports |
 //! | at the same ports: laws over a first-order lag of a driver or of a heat flow | as for a power or a shape, time constant
 //! |
-//! | at the same ports: latching, hysteresis switching, intermittent action | size and threshold, width or period |
+//! | at winding and housing: a mass that is attached there | conductance, time constant |
+//! | at the same ports as a lag: latching, hysteresis switching, intermittent action | size and threshold, width or period |
 //!
 //! Candidates are compared by the reduction of the evidence's cost minus ln n for each parameter (BIC, Schwarz), n the number of blocks.
 

@@ -193,6 +193,9 @@ impl<'a> Round<'a> {
                 (None, _) if self.taken == Some(k) => {
                     self.excuse.unwrap_or("explains most of all, and passes the gate").to_string()
                 }
+                (None, Some(best)) if self.winner().is_some_and(|taken| taken.sure() < c.sure()) => {
+                    format!("{best} is preferred: it states more, or explains as much with what is beside it")
+                }
                 (None, Some(best)) => format!("explains less than {best}"),
                 (None, None) => "is not the best".to_string(),
             };
@@ -281,7 +284,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
         candidates.iter_mut().position(|c| is_part(c) && c.judge(point))
     });
     let first = candidates.iter().position(|c| at_limit(c.addition()).is_none());
-    release(&mut candidates, &[taken, first]);
+    release(&mut candidates, &[taken, first, part]);
     Round { candidates, taken, excuse: None, alike, part, failed }
 }
 

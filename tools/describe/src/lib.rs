@@ -19,7 +19,7 @@ pub mod xml;
 pub use dependencies::{Dependencies, Unknown};
 pub use physics::declare::{Causality, Kind};
 pub use physics::model::{Declaration, Entry, Model, ModelType};
-pub use physics::terms::{Driver, Factor, GenericTerm, Grid, Lag, Law, Port};
+pub use physics::terms::{Driver, Factor, GenericTerm, Grid, Lag, Law, Port, Product};
 pub use physics::{load_table::LoadTable, resources::Resources};
 pub use physics::{models, start_values};
 pub use preset::{Preset, StartValues};

@@ -172,6 +172,9 @@ fn a_mass_gives_the_heat_of_the_difference() {
     assert_eq!(term.along_as(1, &at, None::<(Driver, f64)>), -10.0);
     assert_eq!(term.along_as(1, &at, Some((Driver::Speed, 5.0))), -10.0, "another driver within the step");
     assert!(term.follows(Driver::HousingTemperature) && !term.follows(Driver::Speed) && term.is_whole());
+    assert_eq!(term.mass(), Some([0.5, 30.0]));
+    assert_eq!(GenericTerm { port: Port::WindingHeat, ..term }.mass(), None);
+    assert_eq!(GenericTerm { lag: Some(Lag { difference: false, ..lag }), ..term }.mass(), None);
     // The present heat flow is unknown when the terms are evaluated.
     let of_heat = Lag { driver: Driver::CopperLoss, ..lag };
     let law = product(1.0, [factor(Driver::CopperLoss, 1.0, 0.0, 1.0), None, None]).law;

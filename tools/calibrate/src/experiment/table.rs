@@ -167,7 +167,7 @@ impl Table {
 
 /// The largest reading (`side` 1) or the smallest (-1), if it is the end of the sensor's range: it occurs far more often than the
 /// readings next to it. A sensor with coarse resolution also repeats its other readings.
-fn clipped(column: &[f64], side: f64) -> Option<f64> {
+pub fn clipped(column: &[f64], side: f64) -> Option<f64> {
     let mut values: Vec<f64> = column.iter().filter(|v| v.is_finite()).map(|v| side * v).collect();
     values.sort_by(|a, b| b.total_cmp(a));
     let runs: Vec<&[f64]> = values.chunk_by(|a, b| a == b).take(NEXT + 1).collect();

@@ -142,6 +142,32 @@ fn a_hidden_state_is_found_with_its_time_constant() {
     });
 }
 
+/// A mass that the model lacks at the housing: its conductance and its time constant, and none at the winding.
+#[test]
+fn a_mass_at_a_node_is_found() {
+    let driver = Driver::HousingTemperature;
+    let factor = Factor { driver, offset: 0.0, reference: 10.0, exponent: 1.0, range: Factor::UNLIMITED };
+    let law = Law::Product(Product { coefficient: 1.5, factors: [Some(factor), None, None] });
+    let lag = Some(Lag { driver, tau: 300.0, difference: true });
+    found_of(GenericTerm { port: Port::HousingHeat, law, lag }, |point, scored| {
+        let mass = |s: &&Scored| matches!(s.follows, Follows::Mass(_));
+        let best = scored.iter().find(mass).unwrap();
+        assert_eq!((best.port, best.follows), (Port::HousingHeat, Follows::Mass(driver)));
+        let mut hypothesis = point.setup.preset();
+        hypothesis.additions.extend(best.addition.clone());
+        let fitted = point.setup.fit(hypothesis, &[0]).unwrap();
+        let own = &fitted.hypothesis.additions[0];
+        let Some(GenericTerm { law: Law::Product(product), lag: Some(lag), .. }) = own.term() else {
+            panic!("{own:?}")
+        };
+        let conductance = product.coefficient / product.factors[0].unwrap().reference;
+        assert!((conductance / 0.15 - 1.0).abs() < 0.05 && lag.difference, "{own:?}");
+        assert!((lag.tau / 300.0 - 1.0).abs() < 0.05, "{own:?}");
+        assert!(product.factors[0].unwrap().range == Factor::UNLIMITED);
+        assert!(fitted.chi_square < 2.0 * fitted.readings as f64, "{}", fitted.chi_square);
+    });
+}
+
 /// A product of two drivers, which a grid describes exactly: no function of one driver explains as much, and its fit leaves no residual.
 #[test]
 fn a_product_of_two_drivers_is_found() {

@@ -142,6 +142,19 @@ mod tests {
         assert!(is_element_of(&offset, &law(Port::WindingSensor, Follows::Driver(Driver::Current))));
     }
 
+    #[test]
+    fn a_mass_may_be_a_part_of_a_law_over_the_lag_of_its_temperature() {
+        use Driver::{HousingTemperature, WindingTemperature};
+        let of = |port: Port, follows: Follows| law(port, follows);
+        let mass = of(Port::HousingHeat, Follows::Mass(HousingTemperature));
+        let late = |port, driver| of(port, Follows::Late(driver));
+        assert!(mass.is_element() && is_element_of(&mass, &late(Port::HousingHeat, HousingTemperature)));
+        assert!(!is_element_of(&mass, &late(Port::HousingHeat, WindingTemperature)));
+        assert!(!is_element_of(&mass, &late(Port::HousingAmbientConductance, HousingTemperature)));
+        assert!(!is_element_of(&mass, &of(Port::HousingHeat, Follows::Driver(HousingTemperature))));
+        assert!(!is_element_of(&mass, &mass));
+    }
+
     /// A law that is less probable before any data: at a sensor, over the temperature of the other node, over a heat that the model computes.
     #[test]
     fn odd_laws_are_known() {

@@ -1,7 +1,7 @@
 use super::*;
 use calibrate::experiment::Role;
 use calibrate::outcome::{Follows, Verdict};
-use describe::{Driver, GenericTerm, Grid, Law, Port};
+use describe::{Driver, Factor, GenericTerm, Grid, Lag, Law, Port, Product};
 use serde_json::{Value, json};
 
 const ALL: [Verdict; 4] = [Verdict::Named, Verdict::Class, Verdict::Unexplained, Verdict::Nothing];
@@ -188,6 +188,20 @@ fn a_page_is_complete_in_itself() {
     }
     assert!(!page_of(Verdict::Named).contains("Unexplained effect"));
     assert!(!page_of(Verdict::Nothing).contains("Identified effects"));
+}
+
+/// A mass is described by its heat capacity and its conductance, not as a lagged driver.
+#[test]
+fn a_mass_is_described_as_one() {
+    let driver = Driver::HousingTemperature;
+    assert_eq!(text::driver(Follows::Mass(driver)), "is the heat of a mass that is attached to the housing");
+    let factor = Factor { driver, offset: 0.0, reference: 10.0, exponent: 1.0, range: Factor::UNLIMITED };
+    let law = Law::Product(Product { coefficient: 5.0, factors: [Some(factor), None, None] });
+    let lag = Some(Lag { driver, tau: 100.0, difference: true });
+    let term = GenericTerm { lag, ..GenericTerm::new(Port::HousingHeat, law) };
+    assert_eq!(text::law(&term), "housing heat = that of a mass of 50 J/K behind 0.5 W/K");
+    let elsewhere = GenericTerm { port: Port::WindingHeat, ..term };
+    assert!(text::law(&elsewhere).ends_with("less its present value"), "{}", text::law(&elsewhere));
 }
 
 /// A law over two drivers is a sentence with the range of both, and a line for each point of the second in its figure.

@@ -79,6 +79,10 @@ pub fn with_unit(value: f64, unit: &str) -> String {
 
 /// A term's law: an equation, a table or a grid, and its lag.
 pub fn law(term: &GenericTerm) -> String {
+    if let Some([conductance, capacity]) = term.mass() {
+        let [conductance, capacity] = [with_unit(conductance, "W/K"), with_unit(capacity, "J/K")];
+        return format!("{} = that of a mass of {capacity} behind {conductance}", plain(term.port.name()));
+    }
     let late = |lag: Lag| {
         let (driver, tau) = (plain(lag.driver.name()), with_unit(lag.tau, "s"));
         let less = if lag.difference { " less its present value" } else { "" };
