@@ -323,8 +323,10 @@ impl<'a> Search<'a> {
             let Some(taken) = round.taken else { continue };
             effects.push(self.found(round, taken)?);
         }
-        // Of several laws the one that explains most.
-        let laws = effects.iter().enumerate().filter(|(_, f)| f.term.is_some());
+        // Of several laws the one that explains most. A mass beside a listed effect is a detail of the network and no effect without a name.
+        let is_mass = |f: &Found| matches!(f.follows, Follows::Mass(_));
+        let is_named = effects.iter().any(|f| f.term.is_none());
+        let laws = effects.iter().enumerate().filter(|(_, f)| f.term.is_some() && !(is_named && is_mass(f)));
         let most = laws.max_by(|a, b| a.1.delta_bic_whitened.total_cmp(&b.1.delta_bic_whitened));
         let unnamed = most.map(|(k, _)| k);
         let class = effects.iter().any(|f| !f.alternatives.is_empty());

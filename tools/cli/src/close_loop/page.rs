@@ -3,10 +3,12 @@
 pub(super) mod figures;
 mod measurement;
 
-use super::text::{driver, law, list, number, own_headers, plain, port, replay as replay_words, verdict};
+use super::text::{
+    attached, driver, law, list, number, own_headers, plain, port, replay as replay_words, verdict,
+};
 use calibrate::experiment::{Experiment, Role};
 use calibrate::intake::Unusable;
-use calibrate::outcome::{Curves, Evidence, Found, Outcome, Unexplained, Verdict};
+use calibrate::outcome::{Curves, Evidence, Follows, Found, Outcome, Unexplained, Verdict};
 use calibrate::report::{Provenance, ROLES, Replay, column_words, role_name};
 use describe::Declaration;
 use maud::{Markup, html};
@@ -212,6 +214,9 @@ fn effects(outcome: &Outcome, declaration: &Declaration) -> Markup {
 fn heading(effect: &Found) -> String {
     if effect.term.is_none() {
         return capital(&plain(&effect.id));
+    }
+    if let Follows::Mass(driver) = effect.follows {
+        return format!("Unlisted effect: {}", attached(driver));
     }
     let over = effect.follows.name().map_or(String::new(), |name| format!(" over {}", plain(&name)));
     format!("Unlisted effect: {}{over}", plain(effect.port.name()))

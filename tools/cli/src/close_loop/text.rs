@@ -38,10 +38,7 @@ pub fn driver(follows: Follows) -> String {
         Follows::Late(driver) => {
             return self::driver(Follows::Driver(driver)) + " with a first-order lag";
         }
-        Follows::Mass(driver) => {
-            let node = plain(driver.name()).replace(" temperature", "");
-            return format!("is the heat of a mass that is attached to the {node}");
-        }
+        Follows::Mass(driver) => return format!("is the heat of {}", attached(driver)),
         Follows::Driver(driver) => match driver {
             Driver::Speed => "follows the speed",
             Driver::Current => "follows the current",
@@ -56,6 +53,11 @@ pub fn driver(follows: Follows) -> String {
         },
     };
     driver.to_owned()
+}
+
+/// A mass at the node of this temperature.
+pub fn attached(driver: Driver) -> String {
+    format!("a mass that is attached to the {}", plain(driver.name()).replace(" temperature", ""))
 }
 
 /// An id as words: `iron_loss` is iron loss.
@@ -150,7 +152,9 @@ fn present_law(term: &GenericTerm) -> String {
 
 /// An effect with its parameters and runs.
 pub fn found(effect: &Found) -> String {
-    let name = if effect.term.is_some() {
+    let name = if let Follows::Mass(driver) = effect.follows {
+        attached(driver)
+    } else if effect.term.is_some() {
         format!("an unlisted effect that acts on {} and {}", port(effect.port), driver(effect.follows))
     } else {
         plain(&effect.id)
