@@ -107,7 +107,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     let predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
     // All outputs as the reference of each output predicts them.
     let of = |reference: &Option<consistency::Reference>| match reference {
-        Some(one) => predicted_by(experiment, preset, &one.hypothesis, deadline),
+        Some(one) => predicted_by(experiment, preset, &all_runs(experiment), &one.hypothesis, deadline),
         None => Ok(predicted.clone()),
     };
     let fitted = references.iter().map(of).collect::<Result<Vec<_>, _>>()?;
@@ -225,10 +225,11 @@ fn predicted(
     parallel::map(runs, of)
 }
 
-/// Prediction of a fit.
+/// Prediction of a fit for some runs.
 fn predicted_by(
     experiment: &Experiment,
     preset: &[(u32, f64)],
+    runs: &[usize],
     fitted: &Hypothesis,
     deadline: &Deadline,
 ) -> Result<Predicted, CalibrateError> {
@@ -239,7 +240,7 @@ fn predicted_by(
         let rows = experiment.runs[run].table.time.len();
         shown.unwrap_or_else(|_| vec![vec![f64::NAN; rows]; experiment.outputs.len()])
     };
-    Ok(parallel::map(&all_runs(experiment), of))
+    Ok(parallel::map(runs, of))
 }
 
 /// Standard deviations of the preset's prediction due to the priors of the declared parameters; 0 if it cannot be simulated.
@@ -255,7 +256,9 @@ fn deviations(
     for (k, declared) in setup.declared.iter().enumerate() {
         let mut moved = setup.preset();
         moved.declared[k] = (declared.prior + declared.deviation).clamp(declared.limits.0, declared.limits.1);
-        let Ok(shown) = predicted_by(experiment, preset, &moved, deadline) else { continue };
+        let Ok(shown) = predicted_by(experiment, preset, &all_runs(experiment), &moved, deadline) else {
+            continue;
+        };
         let rows =
             all.iter_mut().zip(&shown).zip(predicted).flat_map(|((a, b), c)| a.iter_mut().zip(b).zip(c));
         for ((sum, moved), own) in rows {

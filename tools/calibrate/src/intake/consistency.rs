@@ -37,7 +37,7 @@ mod unmeasured;
 use super::{Predicted, Unusable, sorted};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Experiment, Run, Start};
+use crate::experiment::{Experiment, Role, Run, Start};
 use crate::hypothesis::Hypothesis;
 use crate::levels::{CERTAIN, FACTOR, NEARLY, STRUCTURE};
 use crate::selection::LEAST;
@@ -60,13 +60,21 @@ const LEAST_RISE: f64 = 0.5;
 /// Predictions of the model and their deviation from the data.
 struct Judge<'a> {
     preset: &'a [(u32, f64)],
+    /// The runs in which a mistake is looked for.
     runs: &'a [usize],
+    /// Further runs, which agree with the model: they are fitted together with [`runs`](Judge::runs).
+    beside: Vec<usize>,
+    /// Fit of the further runs, which predicts instead of the preset.
+    base: Option<Hypothesis>,
     deadline: Deadline,
 }
 
 impl Judge<'_> {
     fn predicted(&self, experiment: &Experiment) -> Predicted {
-        super::predicted(experiment, self.preset, self.runs, &self.deadline)
+        let by_fit = self.base.as_ref().and_then(|base| {
+            super::predicted_by(experiment, self.preset, self.runs, base, &self.deadline).ok()
+        });
+        by_fit.unwrap_or_else(|| super::predicted(experiment, self.preset, self.runs, &self.deadline))
     }
 
     /// (1) and the best ratio of reading to prediction for each output; `None` without readings.
@@ -218,7 +226,7 @@ pub fn contradiction(
 ) -> Result<Result<Vec<Option<Reference>>, Unusable>, CalibrateError> {
     let all: Vec<usize> = super::all_runs(experiment);
     let mut thin = thinned(experiment, ROWS);
-    let whole = Judge { preset, runs: &all, deadline: deadline.clone() };
+    let whole = Judge { preset, runs: &all, beside: Vec::new(), base: None, deadline: deadline.clone() };
     if let Some(unusable) = wrong_time(&whole, &thin, "every run")? {
         return Ok(Err(unusable));
     }
@@ -287,10 +295,16 @@ fn mistaken(
             None => files.push((&run.file, vec![k])),
         }
     }
+    let is_good = |run: &usize| experiment.runs[*run].role == Role::Fit && !bad.contains(run);
+    let good: Vec<usize> = all.iter().copied().filter(is_good).collect();
+    let rest =
+        Judge { runs: &good, beside: Vec::new(), base: None, preset, deadline: whole.deadline.clone() };
+    let base =
+        if good.is_empty() { None } else { fitted(&rest, experiment)?.best.map(|best| best.hypothesis) };
     for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
-        let judge = Judge { preset, runs, deadline: whole.deadline.clone() };
-        let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
-        if let Some(unusable) = search(&judge, experiment, &own, file)? {
+        let (beside, base, deadline) = (good.clone(), base.clone(), whole.deadline.clone());
+        let judge = Judge { preset, runs, beside, base, deadline };
+        if let Some(unusable) = search(&judge, experiment, &judge.predicted(experiment), file)? {
             return Ok(Some(unusable));
         }
     }

@@ -27,11 +27,13 @@ pub(super) struct Cost {
 }
 
 impl Cost {
+    /// Of a fit; the outputs are counted in `runs`.
     fn new(setup: &Setup, fitted: Fitted, runs: &[usize]) -> Result<Cost, CalibrateError> {
         let all = all_runs(setup.experiment);
         let shown = setup.show(&fitted.hypothesis, &all)?;
+        let own: Vec<Shown> = runs.iter().map(|run| shown[*run].clone()).collect();
         Ok(Cost {
-            outputs: setup.chi_squares(runs, &fitted.shown),
+            outputs: setup.chi_squares(runs, &own),
             fitted: runs.len(),
             prior: fitted.cost - fitted.chi_square,
             runs: all.iter().map(|r| of_run(setup, runs, *r, &shown[*r])).collect(),
@@ -84,29 +86,41 @@ fn of_run(setup: &Setup, fitted: &[usize], run: usize, shown: &Shown) -> f64 {
     .sum()
 }
 
-/// The experiment with structure errors as noise, and its runs that are fitted: all of the judge if none has that role.
-fn prepared<'a>(
-    judge: &Judge,
-    experiment: &'a Experiment,
-) -> Result<(Setup<'a>, Vec<usize>), CalibrateError> {
-    let fit: Vec<usize> =
-        judge.runs.iter().copied().filter(|r| experiment.runs[*r].role == Role::Fit).collect();
-    let runs = if fit.is_empty() { judge.runs.to_vec() } else { fit };
-    let setup = structured(experiment, judge.preset, &runs)?.until(judge.deadline.clone());
-    Ok((setup, runs))
+/// The experiment with structure errors as noise, and its runs that are fitted.
+struct Prepared<'a> {
+    setup: Setup<'a>,
+    /// The fit runs of the judge, all its runs if none has that role, and those beside them.
+    fitted: Vec<usize>,
+    /// Those of them that are not beside.
+    own: Vec<usize>,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(judge: &Judge, experiment: &'a Experiment) -> Result<Prepared<'a>, CalibrateError> {
+        let is_fit = |run: &usize| experiment.runs[*run].role == Role::Fit;
+        let fit: Vec<usize> = judge.runs.iter().copied().filter(is_fit).collect();
+        let own = if fit.is_empty() { judge.runs.to_vec() } else { fit };
+        let setup = structured(experiment, judge.preset, &own)?.until(judge.deadline.clone());
+        let fitted = own.iter().chain(&judge.beside).copied().collect();
+        Ok(Prepared { setup, fitted, own })
+    }
+
+    fn cost(&self, fitted: Fitted) -> Result<Cost, CalibrateError> {
+        Cost::new(&self.setup, fitted, &self.own)
+    }
 }
 
 /// Cost at the best values of the declared parameters.
 pub(super) fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, CalibrateError> {
-    let (setup, runs) = prepared(judge, experiment)?;
-    let cost = setup.refit(&runs).and_then(|fitted| Cost::new(&setup, fitted, &runs));
+    let ready = Prepared::new(judge, experiment)?;
+    let cost = ready.setup.refit(&ready.fitted).and_then(|fitted| ready.cost(fitted));
     // A model that cannot be simulated explains no data.
     Ok(cost.unwrap_or_else(|_| Cost {
-        outputs: vec![f64::MAX; setup.outputs()],
-        fitted: runs.len(),
+        outputs: vec![f64::MAX; ready.setup.outputs()],
+        fitted: ready.own.len(),
         prior: 0.0,
         runs: vec![f64::INFINITY; experiment.runs.len()],
-        is_cut: setup.deadline().is_near(),
+        is_cut: ready.setup.deadline().is_near(),
         best: None,
     }))
 }
@@ -120,8 +134,8 @@ pub(super) fn crossed(
     let mut all = predicted.clone();
     for output in 0..experiment.outputs.len() {
         let others = blanked(experiment, judge.runs, experiment.inputs.len() + output);
-        let (setup, runs) = prepared(judge, &others)?;
-        let Ok(fitted) = setup.fit(setup.preset(), &runs) else { continue };
+        let Prepared { setup, fitted, .. } = Prepared::new(judge, &others)?;
+        let Ok(fitted) = setup.fit(setup.preset(), &fitted) else { continue };
         let Ok(shown) = setup.show(&fitted.hypothesis, judge.runs) else { continue };
         for (run, shown) in all.iter_mut().zip(shown) {
             run[output] = shown.into_iter().skip(output).step_by(setup.outputs()).collect();
@@ -145,15 +159,15 @@ pub(super) fn with_free(
     }
     let deviation = Deviation::Relative(undeclared::DEVIATION);
     other.priors.insert(0, Prior { name: name.to_string(), deviation });
-    let (setup, runs) = prepared(judge, &other)?;
-    let own = setup.declared[0].prior;
+    let ready = Prepared::new(judge, &other)?;
+    let own = ready.setup.declared[0].prior;
     if own == 0.0 {
         return Ok(None);
     }
-    let Ok(fitted) = setup.fit(setup.preset(), &runs) else { return Ok(None) };
+    let Ok(fitted) = ready.setup.fit(ready.setup.preset(), &ready.fitted) else { return Ok(None) };
     let value = fitted.hypothesis.declared[0];
     // The deadline may pass in its last simulation.
-    Ok(Cost::new(&setup, fitted, &runs).ok().map(|cost| (cost, value, own)))
+    Ok(ready.cost(fitted).ok().map(|cost| (cost, value, own)))
 }
 
 /// The experiment with a prior for the parameter whose value in the preset contradicts the data most, and the cost then; `None` if there is
@@ -165,7 +179,7 @@ pub(super) fn released(
 ) -> Result<Option<(Experiment, Cost)>, CalibrateError> {
     // A preset with which the model cannot be run is judged by the checks that follow.
     let Some(best) = &as_is.best else { return Ok(None) };
-    let (setup, runs) = prepared(judge, experiment)?;
+    let Prepared { setup, fitted: runs, .. } = Prepared::new(judge, experiment)?;
     let point = Linearization::judged(&setup, best.clone(), &runs).ok();
     let Some(own) = point.and_then(|point| undeclared::best(&point, LEAST)) else { return Ok(None) };
     let Some(cost) = Cost::new(&own.setup, own.fitted, &runs).ok().filter(|cost| !cost.is_cut) else {

@@ -24,8 +24,17 @@ pub enum Mistake {
         /// The column of the output.
         by: usize,
     },
-    /// Times are multiplied by a factor.
-    Time(f64, &'static str),
+    /// An input or an output was recorded without its sign.
+    Magnitude {
+        /// The column.
+        column: usize,
+        /// The column of the output that implies the sign, which is then no longer evidence; `None` if the column is this output.
+        by: Option<usize>,
+    },
+    /// An input was recorded behind a first-order lag with this time constant, s.
+    Slow(usize, f64),
+    /// Times are multiplied by a factor: the unit, or none if the interval between the rows is another one.
+    Time(f64, Option<&'static str>),
 }
 
 impl Mistake {
@@ -36,6 +45,8 @@ impl Mistake {
             Mistake::Swap(a, b) => vec![*a, *b],
             Mistake::Rise(k) | Mistake::Heated(k) => vec![*k],
             Mistake::Unmeasured { column, by } => vec![*column, *by],
+            Mistake::Magnitude { column, by } => std::iter::once(*column).chain(*by).collect(),
+            Mistake::Slow(k, _) => vec![*k],
             Mistake::Time(..) => Vec::new(),
         }
     }
@@ -62,8 +73,11 @@ impl Mistake {
     }
 
     /// Whether the readings permit it: those of a heated ambient sensor rise and fall with a temperature of the motor, so that a common
-    /// fraction of its change explains more of their change than it leaves.
+    /// fraction of its change explains more of their change than it leaves. Another interval in all runs is another motor.
     pub fn is_permitted(&self, experiment: &Experiment, runs: &[usize]) -> bool {
+        if matches!(self, Mistake::Time(_, None)) {
+            return runs.len() < experiment.runs.len();
+        }
         let Mistake::Heated(ambient) = self else { return true };
         let inputs = experiment.inputs.len();
         let thermometers = experiment.outputs.iter().enumerate().filter(|(_, one)| one.is_temperature());
@@ -103,7 +117,10 @@ impl Mistake {
                     column.fill(first);
                 }
                 // The values require the model: `super::unmeasured`.
-                Mistake::Unmeasured { .. } => {}
+                Mistake::Unmeasured { .. } | Mistake::Magnitude { .. } => {}
+                Mistake::Slow(k, tau) => {
+                    table.columns[*k] = without_lag(&table.time, &table.columns[*k], *tau)
+                }
                 Mistake::Time(factor, _) => {
                     let first = table.time[0];
                     table.time.iter_mut().for_each(|t| *t = first + factor * (*t - first));
@@ -164,7 +181,28 @@ impl Mistake {
                 );
                 (name(*column), reason, format!("check whether {} was measured", name(*column)))
             }
-            Mistake::Time(_, unit) => {
+            Mistake::Magnitude { column, .. } => {
+                let reason = format!(
+                    "{} in {files} is never negative and contradicts the model, which the same magnitude with both signs would agree with",
+                    name(*column)
+                );
+                let suggestion = format!("record {} with its sign", name(*column));
+                (name(*column), reason, suggestion)
+            }
+            Mistake::Slow(k, tau) => {
+                let reason = format!(
+                    "{} in {files} contradicts the model, which it would agree with if it had passed a first-order lag of about {tau:.1} s",
+                    name(*k)
+                );
+                (name(*k), reason, format!("record {} without averaging", name(*k)))
+            }
+            Mistake::Time(factor, None) => {
+                let reason = format!(
+                    "time_s in {files} contradicts the model and the other runs, which times multiplied by {factor} would agree with"
+                );
+                ("time_s".to_string(), reason, "check the sampling interval of the file".to_string())
+            }
+            Mistake::Time(_, Some(unit)) => {
                 let reason = format!(
                     "time_s in {files} contradicts the model, which times in {unit} would agree with"
                 );
@@ -186,6 +224,11 @@ fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
 
 /// Two units with factors or offsets that differ by less are the same. Numerical: rounding of the factors.
 const SAME: f64 = 1e-3;
+
+/// Ratios of a sampling interval to the one that the times of a file state. Numerical: usual settings of a logger differ by them.
+const INTERVALS: [f64; 6] = [0.5, 2.0, 0.2, 5.0, 0.1, 10.0];
+/// Longest lag of an input that is tried, as a fraction of the run. Numerical: the readings of a longer one are nearly constant.
+const SLOWEST: f64 = 0.1;
 
 /// Minutes in a radian per second. Definition: 60 s / 2 pi.
 const TURNS: f64 = 30.0 / std::f64::consts::PI;
@@ -258,6 +301,17 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     all
 }
 
+/// What a column was before a first-order lag: x + tau dx/dt, by central differences. Blank readings stay blank.
+fn without_lag(time: &[f64], column: &[f64], tau: f64) -> Vec<f64> {
+    let last = column.len() - 1;
+    let of = |k: usize| {
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
+        let slope = (column[after] - column[before]) / (time[after] - time[before]);
+        column[k] + if slope.is_finite() { tau * slope } else { 0.0 }
+    };
+    (0..column.len()).map(of).collect()
+}
+
 /// All mistakes that involve these columns only.
 pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let all = channels(experiment);
@@ -266,8 +320,11 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     for (factor, unit) in
         [(1e-3, "ms"), (60.0, "min"), (3600.0, "h"), (1e-6, "us"), (1e3, "ks"), (1.0 / 60.0, "1/60 s")]
     {
-        found.push(Mistake::Time(factor, unit));
+        found.push(Mistake::Time(factor, Some(unit)));
     }
+    found.extend(INTERVALS.map(|factor| Mistake::Time(factor, None)));
+    let longest = experiment.runs.iter().map(|run| run.table.time.as_slice());
+    let longest = longest.max_by(|a, b| (a[a.len() - 1] - a[0]).total_cmp(&(b[b.len() - 1] - b[0])));
     for (k, channel) in all.iter().enumerate() {
         // Commands and pressures are covered by their limits.
         let units =
@@ -279,6 +336,15 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
             found.push(if channel.input.is_some() { Mistake::Heated(k) } else { Mistake::Rise(k) });
         }
         found.extend((0..k).map(|other| Mistake::Swap(other, k)));
+        let is_load = k < experiment.inputs.len() && !channel.is_temperature() && channel.unit != Unit::One;
+        if let Some(time) = longest.filter(|_| is_load) {
+            let (first, last) = (time[0], time[time.len() - 1]);
+            let row = (last - first) / time.len() as f64;
+            let taus = std::iter::successors(Some(row), |tau| Some(2.0 * tau));
+            found.extend(
+                taus.take_while(|tau| *tau < SLOWEST * (last - first)).map(|tau| Mistake::Slow(k, tau)),
+            );
+        }
         if !quantities.contains(&channel.unit) {
             quantities.push(channel.unit);
         }

@@ -7,7 +7,7 @@ use crate::CalibrateError;
 use crate::experiment::Experiment;
 use crate::intake::signals::POSSIBLE;
 use crate::intake::{Unusable, declaration, median};
-use crate::levels::{FACTOR, PART, SAMPLES, STRUCTURE};
+use crate::levels::{FACTOR, PART, SAMPLES, SMALL, STRUCTURE};
 use crate::selection::LEAST;
 use physics::declare::Unit;
 
@@ -176,7 +176,9 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
         }
     }
     let worst_now = worst(&before[1]);
-    for mistake in candidates.iter().filter(|m| m.is_simulated(inputs) && worst_now >= PART) {
+    // A lag contradicts the rows near the steps of an input only.
+    let least = |mistake: &Mistake| if matches!(mistake, Mistake::Slow(..)) { SMALL } else { PART };
+    for mistake in candidates.iter().filter(|m| m.is_simulated(inputs) && worst_now >= least(m)) {
         best.extend(changed(mistake).filter(is_better));
     }
     for (k, output) in before[0].iter().enumerate() {
@@ -218,7 +220,9 @@ fn confirmed(
         let mut as_meant = fitted(judge, &one.data)?;
         // An output that implies an input is not evidence: both costs are computed without it.
         let without = match one.mistake {
-            Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(at, judge.runs, by))?),
+            Mistake::Unmeasured { by, .. } | Mistake::Magnitude { by: Some(by), .. } => {
+                Some(fitted(judge, &blanked(at, judge.runs, by))?)
+            }
             _ => None,
         };
         // At the deadline the best of those that were confirmed is the answer; they come in the order of their scores.

@@ -1,4 +1,4 @@
-//! Inputs that were not measured: a constant column that contradicts an output.
+//! Inputs that were not measured: a constant column that contradicts an output. Columns without their sign.
 //!
 //! u <- u + (y - p(u)) / s,   s = dp/du                                                             (1)
 //!
@@ -6,6 +6,10 @@
 //! (1), applied to each row, gives the values of the input that this output implies. The other outputs decide whether they are correct: if
 //! the input really is constant, as with a locked shaft, their agreement deteriorates. If no other output depends on the input by more
 //! than the structure error, no conclusion is drawn.
+//!
+//! Of a current, a speed, a torque or a voltage that is never negative, the sign may not have been recorded. An output has the sign of its
+//! prediction; an input, in each row, the sign with which an output is predicted better. This output is then no evidence. If hardly any row is
+//! negative, the sign is not missing.
 
 use super::search::Changed;
 use super::{Judge, Mistake, Predicted, blanked};
@@ -33,7 +37,71 @@ pub(super) fn of(
     let disagreeing: Vec<usize> = (0..outputs.len()).filter(follows).collect();
     let unmeasured = (0..inputs).filter(|k| is_constant(judge, experiment, *k));
     let pairs = unmeasured.flat_map(|column| disagreeing.iter().map(move |output| (column, *output)));
-    pairs.filter_map(|(column, output)| implied(judge, experiment, predicted, column, output)).collect()
+    let unmeasured =
+        pairs.filter_map(|(column, output)| implied(judge, experiment, predicted, column, output));
+    unmeasured.chain(without_sign(judge, experiment, predicted, &disagreeing)).collect()
+}
+
+/// Each column without negative readings with the signs that the model implies.
+fn without_sign(
+    judge: &Judge,
+    experiment: &Experiment,
+    predicted: &Predicted,
+    disagreeing: &[usize],
+) -> Vec<Changed> {
+    let inputs = experiment.inputs.len();
+    let is_magnitude = |k: &usize| {
+        let channel = experiment.inputs.iter().chain(&experiment.outputs).nth(*k);
+        let has_sign = channel.is_some_and(|c| {
+            matches!(c.unit, Unit::Ampere | Unit::RadianPerSecond | Unit::NewtonMetre | Unit::Volt)
+        });
+        let readings = || judge.runs.iter().flat_map(|run| &experiment.runs[*run].table.columns[*k]);
+        has_sign && readings().any(|x| *x > 0.0) && !readings().any(|x| *x < 0.0)
+    };
+    let signed = |(column, by): (usize, Option<usize>)| -> Option<Changed> {
+        let mut data = experiment.clone();
+        let other = by.map(|_| judge.predicted(&turned(judge, experiment, column)));
+        let (mut whole, mut negative) = (0.0, 0.0);
+        for (n, run) in judge.runs.iter().enumerate() {
+            let columns = &mut data.runs[*run].table.columns;
+            for row in 0..columns[column].len() {
+                let is_negative = match (&other, by) {
+                    (Some(other), Some(by)) => {
+                        let off = |p: &Predicted| (columns[by][row] - p[n][by - inputs][row]).abs();
+                        off(other) < off(predicted)
+                    }
+                    _ => predicted[n][column - inputs][row] < 0.0,
+                };
+                let square = columns[column][row].powi(2);
+                if square.is_finite() {
+                    whole += square;
+                    negative += if is_negative { square } else { 0.0 };
+                }
+                if is_negative {
+                    columns[column][row] *= -1.0;
+                }
+            }
+        }
+        if negative < SMALL * whole {
+            return None;
+        }
+        let data = by.map_or_else(|| data.clone(), |by| blanked(&data, judge.runs, by));
+        let shown = if by.is_some() { judge.predicted(&data) } else { predicted.clone() };
+        Some(Changed { score: 0.0, mistake: Mistake::Magnitude { column, by }, data, shown })
+    };
+    let of_inputs = (0..inputs).filter(is_magnitude);
+    let of_inputs =
+        of_inputs.flat_map(|column| disagreeing.iter().map(move |by| (column, Some(inputs + by))));
+    let of_outputs = disagreeing.iter().map(|k| inputs + k).filter(is_magnitude).map(|column| (column, None));
+    of_inputs.chain(of_outputs).filter_map(signed).collect()
+}
+
+/// The data with the opposite sign of a column.
+fn turned(judge: &Judge, experiment: &Experiment, column: usize) -> Experiment {
+    let mut turned = experiment.clone();
+    let columns = judge.runs.iter().map(|run| (*run, column));
+    columns.for_each(|(run, k)| turned.runs[run].table.columns[k].iter_mut().for_each(|x| *x = -*x));
+    turned
 }
 
 /// Whether a column that is neither command nor temperature has the same reading in all rows of these runs.
