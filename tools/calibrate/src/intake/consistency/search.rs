@@ -215,9 +215,9 @@ fn confirmed(
     best: Vec<Changed>,
 ) -> Result<Option<(Cost, Changed, Vec<Mistake>)>, CalibrateError> {
     let inputs = at.inputs.len();
-    let mut all: Vec<(Cost, Changed)> = Vec::new();
+    let mut all: Vec<(f64, Cost, Changed)> = Vec::new();
     for one in best {
-        let mut as_meant = fitted(judge, &one.data)?;
+        let as_meant = fitted(judge, &one.data)?;
         // An output that implies an input is not evidence: both costs are computed without it.
         let without = match one.mistake {
             Mistake::Unmeasured { by, .. } | Mistake::Magnitude { by: Some(by), .. } => {
@@ -230,19 +230,18 @@ fn confirmed(
             break;
         }
         if without.as_ref().unwrap_or(as_is).is_worse_than(&as_meant, None) {
-            if without.is_some() {
-                as_meant.prior += SAMPLES * judge.runs.len() as f64;
-            }
-            all.push((as_meant, one));
+            // As if the output that is no evidence agreed to within the structure error.
+            let of_output = if without.is_some() { SAMPLES * judge.runs.len() as f64 } else { 0.0 };
+            all.push((as_meant.whole() + of_output, as_meant, one));
         }
     }
-    all.sort_by(|a, b| a.0.whole().total_cmp(&b.0.whole()));
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
     while !all.is_empty() {
-        let most = all[0].0.whole() + LEAST;
-        let equal = all.iter().take_while(|(cost, _)| cost.whole() <= most).count();
-        let mut rest: Vec<(Cost, Changed)> = all.drain(..equal).collect();
-        rest.sort_by_key(|(_, one)| place(&one.mistake, at));
-        let (as_meant, one) = rest.remove(0);
+        let most = all[0].0 + LEAST;
+        let equal = all.iter().take_while(|(cost, ..)| *cost <= most).count();
+        let mut rest: Vec<(f64, Cost, Changed)> = all.drain(..equal).collect();
+        rest.sort_by_key(|(.., one)| place(&one.mistake, at));
+        let (_, as_meant, one) = rest.remove(0);
         let mut is_sensor = false;
         // A failed sensor of one output contradicts the same rows; it leaves the other outputs in agreement.
         if one.mistake.is_simulated(inputs) {
@@ -253,7 +252,7 @@ fn confirmed(
         }
         if !is_sensor {
             let same = one.mistake.touches();
-            let others = rest.into_iter().map(|(_, other)| other.mistake).filter(|m| m.touches() == same);
+            let others = rest.into_iter().map(|(.., other)| other.mistake).filter(|m| m.touches() == same);
             return Ok(Some((as_meant, one, others.collect())));
         }
     }
