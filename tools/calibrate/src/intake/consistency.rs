@@ -295,20 +295,36 @@ fn mistaken(
             None => files.push((&run.file, vec![k])),
         }
     }
-    let is_good = |run: &usize| experiment.runs[*run].role == Role::Fit && !bad.contains(run);
-    let good: Vec<usize> = all.iter().copied().filter(is_good).collect();
-    let rest =
-        Judge { runs: &good, beside: Vec::new(), base: None, preset, deadline: whole.deadline.clone() };
-    let base =
-        if good.is_empty() { None } else { fitted(&rest, experiment)?.best.map(|best| best.hypothesis) };
     for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
-        let (beside, base, deadline) = (good.clone(), base.clone(), whole.deadline.clone());
+        let deadline = whole.deadline.clone();
+        let (beside, base) = agreeing(whole, experiment, runs, bad)?;
         let judge = Judge { preset, runs, beside, base, deadline };
         if let Some(unusable) = search(&judge, experiment, &judge.predicted(experiment), file)? {
             return Ok(Some(unusable));
         }
     }
     Ok(None)
+}
+
+/// The fit runs of other files with their fit, if they agree with the model: those that are not bad, or all if a mistake in one file spoils
+/// the agreement of each.
+fn agreeing(
+    whole: &Judge,
+    experiment: &Experiment,
+    own: &[usize],
+    bad: &[usize],
+) -> Result<(Vec<usize>, Option<Hypothesis>), CalibrateError> {
+    let is_other = |run: &usize| experiment.runs[*run].role == Role::Fit && !own.contains(run);
+    let others: Vec<usize> = whole.runs.iter().copied().filter(is_other).collect();
+    let good: Vec<usize> = others.iter().copied().filter(|run| !bad.contains(run)).collect();
+    let runs = if good.is_empty() { others } else { good };
+    if runs.is_empty() {
+        return Ok((runs, None));
+    }
+    let (preset, deadline) = (whole.preset, whole.deadline.clone());
+    let cost = fitted(&Judge { preset, runs: &runs, beside: Vec::new(), base: None, deadline }, experiment)?;
+    let agree = !cost.bad_runs().iter().any(|run| runs.contains(run));
+    Ok(if agree { (runs, cost.best.map(|best| best.hypothesis)) } else { (Vec::new(), None) })
 }
 
 /// The experiment without the readings of a column in these runs.

@@ -4,6 +4,8 @@ use super::*;
 use crate::testing::{self, normal, rng};
 use std::cell::Cell;
 
+mod inputs;
+
 const PRIORS: &str = "\"motor.R_ref\" = 0.05\n\"motor.k_t\" = 0.05\n\"thermal.R_wh\" = 0.2\n\"thermal.C_w\" = 0.2\n\
                       \"conductance.G_still\" = 0.2\n\"thermal.C_h\" = 0.2\n\"conductance.G_forced\" = 0.2";
 /// Noise of inputs and outputs, SI units.

@@ -301,13 +301,15 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     all
 }
 
-/// What a column was before a first-order lag: x + tau dx/dt, by central differences. Blank readings stay blank.
+/// What a column was before a first-order lag, if it was constant between the rows: (x_k - a x_{k-1}) / (1 - a), a = exp(-h / tau). Blank
+/// readings stay blank.
 fn without_lag(time: &[f64], column: &[f64], tau: f64) -> Vec<f64> {
-    let last = column.len() - 1;
     let of = |k: usize| {
-        let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
-        let slope = (column[after] - column[before]) / (time[after] - time[before]);
-        column[k] + if slope.is_finite() { tau * slope } else { 0.0 }
+        let Some(before) = k.checked_sub(1).filter(|before| column[*before].is_finite()) else {
+            return column[k];
+        };
+        let kept = ((time[before] - time[k]) / tau).exp();
+        (column[k] - kept * column[before]) / (1.0 - kept)
     };
     (0..column.len()).map(of).collect()
 }

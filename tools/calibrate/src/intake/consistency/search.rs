@@ -7,7 +7,7 @@ use crate::CalibrateError;
 use crate::experiment::Experiment;
 use crate::intake::signals::POSSIBLE;
 use crate::intake::{Unusable, declaration, median};
-use crate::levels::{FACTOR, PART, SAMPLES, SMALL, STRUCTURE};
+use crate::levels::{FACTOR, PART, SAMPLES, STRUCTURE};
 use crate::selection::LEAST;
 use physics::declare::Unit;
 
@@ -177,7 +177,7 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
     }
     let worst_now = worst(&before[1]);
     // A lag contradicts the rows near the steps of an input only.
-    let least = |mistake: &Mistake| if matches!(mistake, Mistake::Slow(..)) { SMALL } else { PART };
+    let least = |mistake: &Mistake| if matches!(mistake, Mistake::Slow(..)) { 0.0 } else { PART };
     for mistake in candidates.iter().filter(|m| m.is_simulated(inputs) && worst_now >= least(m)) {
         best.extend(changed(mistake).filter(is_better));
     }

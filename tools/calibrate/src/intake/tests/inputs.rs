@@ -1,0 +1,79 @@
+//! Loads recorded without their sign or behind an average, and a file with another interval between its rows.
+
+use super::*;
+
+/// Steps of current and speed in both directions.
+fn reversing(seed: u64) -> Experiment {
+    with_inputs(seed, |columns| {
+        columns[CURRENT].iter_mut().enumerate().for_each(|(k, i)| *i *= [1.0, -1.0][k / 110 % 2]);
+        columns[SPEED].iter_mut().enumerate().for_each(|(k, w)| *w *= [1.0, 1.0, -1.0][k / 140 % 3]);
+    })
+}
+
+#[test]
+fn a_load_without_its_sign_is_unusable() {
+    assert_eq!(unusable(&mut reversing(31)), None);
+    for (k, channel) in [
+        (CURRENT, "current_A"),
+        (SPEED, "speed_rad_per_s"),
+        (TORQUE, "shaft_torque_Nm"),
+        (VOLTAGE, "voltage_V"),
+    ] {
+        let mut magnitude = reversing(31);
+        column(&mut magnitude, k).iter_mut().for_each(|x| *x = x.abs());
+        let reason = reason(&mut magnitude);
+        assert!(reason.starts_with(channel) && reason.contains("never negative"), "{reason}");
+    }
+}
+
+/// An input that a drive averages over some rows to minutes is named with the lag; an input with a real ramp is used.
+#[test]
+fn an_averaged_input_is_unusable() {
+    for (k, channel, tau) in
+        [(SPEED, "speed_rad_per_s", 40.0), (SPEED, "speed_rad_per_s", 90.0), (CURRENT, "current_A", 60.0)]
+    {
+        let mut slow = experiment(32);
+        let mut shown = column(&mut slow, k)[0];
+        for x in column(&mut slow, k) {
+            shown += (*x - shown) * (1.0 - (-3.0f64 / tau).exp());
+            *x = shown;
+        }
+        let reason = reason(&mut slow);
+        assert!(reason.starts_with(channel) && reason.contains("first-order lag of about"), "{reason}");
+        let found: f64 =
+            reason.split("about ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok()).unwrap();
+        assert!((found / tau).ln().abs() < 0.5, "{tau}: {reason}");
+    }
+    let mut ramps = with_inputs(33, |columns| {
+        for k in [CURRENT, SPEED] {
+            let mut shown = columns[k][0];
+            columns[k].iter_mut().for_each(|x| {
+                shown += (*x - shown) * (1.0 - (-3.0f64 / 40.0).exp());
+                *x = shown;
+            });
+        }
+    });
+    assert_eq!(unusable(&mut ramps), None, "{:?}", ramps.notes);
+}
+
+/// One of three files has another interval between its rows than its times state; in all of them it is another motor.
+#[test]
+fn another_interval_in_one_file_is_unusable() {
+    let three = || {
+        let mut all = experiment(34);
+        for (n, seed) in [(2, 35), (3, 36)] {
+            let mut run = with_inputs(seed, |columns| columns[CURRENT].rotate_right(37 * n)).runs.remove(0);
+            run.file = format!("run-{n}.csv");
+            all.runs.push(run);
+        }
+        all
+    };
+    assert_eq!(unusable(&mut three()), None);
+    for factor in [0.5, 2.0, 0.2] {
+        let mut wrong = three();
+        wrong.runs[1].table.time.iter_mut().for_each(|t| *t *= factor);
+        let reason = reason(&mut wrong);
+        let words = format!("times multiplied by {}", 1.0 / factor);
+        assert!(reason.starts_with("time_s: time_s in run-2.csv") && reason.contains(&words), "{reason}");
+    }
+}
