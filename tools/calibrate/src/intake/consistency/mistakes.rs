@@ -56,6 +56,11 @@ impl Mistake {
         matches!(self, Mistake::Time(..)) || self.touches().iter().any(|k| *k < inputs)
     }
 
+    /// Whether it contradicts only the rows after changes of the load, so that the outputs agree in part: the fit decides.
+    pub fn is_partial(&self) -> bool {
+        matches!(self, Mistake::Slow(..) | Mistake::Time(_, None))
+    }
+
     /// Whether it hardly changes the shapes: two thermometers of the motor exchanged, all temperatures in another unit, or an ambient
     /// temperature that rises with the motor.
     pub fn is_alike(&self, experiment: &Experiment) -> bool {

@@ -162,7 +162,8 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
     let is_better = |one: &Changed| {
         let is_simulated = one.mistake.is_simulated(inputs);
         let after = agreement(&one.data, &one.shown, is_simulated);
-        one.score < -FALL && agrees_more(&before[usize::from(is_simulated)], &after)
+        one.score < -FALL
+            && (one.mistake.is_partial() || agrees_more(&before[usize::from(is_simulated)], &after))
     };
     let candidates = mistakes(at);
     // Outputs first, because they need no simulation; then inputs; an arbitrary factor if no usual mistake explains the data.
@@ -176,9 +177,9 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
         }
     }
     let worst_now = worst(&before[1]);
-    // A lag contradicts the rows near the steps of an input only.
-    let least = |mistake: &Mistake| if matches!(mistake, Mistake::Slow(..)) { 0.0 } else { PART };
-    for mistake in candidates.iter().filter(|m| m.is_simulated(inputs) && worst_now >= least(m)) {
+    for mistake in
+        candidates.iter().filter(|m| m.is_simulated(inputs) && (worst_now >= PART || m.is_partial()))
+    {
         best.extend(changed(mistake).filter(is_better));
     }
     for (k, output) in before[0].iter().enumerate() {
