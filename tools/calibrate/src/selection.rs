@@ -254,8 +254,26 @@ fn release(candidates: &mut [Candidate], kept: &[Option<usize>]) {
 }
 
 /// Fits and compares the best candidates scored at `point`, the model without any of them; their fits start at `start`. A candidate
-/// with which the model cannot be run is listed with the reason.
+/// with which the model cannot be run is listed with the reason. If the best one is no physical explanation, those that explain far less to
+/// first order take its place.
 pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
+    let (mut round, is_out) = among(point, start, scored);
+    if is_out {
+        let is_fitted = |s: &&Scored| {
+            let failed = round.failed.iter().map(|(scored, _)| &scored.name);
+            round.candidates.iter().map(|c| &c.name).chain(failed).any(|name| *name == s.name)
+        };
+        let rest: Vec<Scored> = scored.iter().filter(|s| !is_fitted(s)).cloned().collect();
+        let (second, _) = among(point, start, &rest);
+        let first = std::mem::replace(&mut round, second);
+        round.candidates.extend(first.candidates);
+        round.failed.extend(first.failed);
+    }
+    round
+}
+
+/// The same among these alone; and whether the best one explains enough, but is no physical explanation.
+fn among<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> (Round<'a>, bool) {
     let Round { mut candidates, failed, .. } = candidates(point, start, scored);
     // Preferred are a listed effect to a law that explains little more, and a law of one driver to one of two or with an additional state.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
@@ -283,9 +301,13 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
         let is_part = |c: &Candidate| c.refused.is_none() && is_element_of(c.addition(), &law);
         candidates.iter_mut().position(|c| is_part(c) && c.judge(point))
     });
+    let is_out = taken.is_none()
+        && candidates.first().is_some_and(|best| {
+            best.sure() > asked(point, &best.point) && implausible(point, best).is_some()
+        });
     let first = candidates.iter().position(|c| at_limit(c.addition()).is_none());
     release(&mut candidates, &[taken, first, part]);
-    Round { candidates, taken, excuse: None, alike, part, failed }
+    (Round { candidates, taken, excuse: None, alike, part, failed }, is_out)
 }
 
 /// Listed effects that the data cannot distinguish from an accepted listed effect, also if they alone would not be accepted.
