@@ -25,12 +25,7 @@ pub enum Mistake {
         by: usize,
     },
     /// An input or an output was recorded without its sign.
-    Magnitude {
-        /// The column.
-        column: usize,
-        /// The column of the output that implies the sign, which is then no longer evidence; `None` if the column is this output.
-        by: Option<usize>,
-    },
+    Magnitude(usize),
     /// An input was recorded behind a first-order lag with this time constant, s.
     Slow(usize, f64),
     /// Times are multiplied by a factor: the unit, or none if the interval between the rows is another one.
@@ -45,8 +40,7 @@ impl Mistake {
             Mistake::Swap(a, b) => vec![*a, *b],
             Mistake::Rise(k) | Mistake::Heated(k) => vec![*k],
             Mistake::Unmeasured { column, by } => vec![*column, *by],
-            Mistake::Magnitude { column, by } => std::iter::once(*column).chain(*by).collect(),
-            Mistake::Slow(k, _) => vec![*k],
+            Mistake::Magnitude(k) | Mistake::Slow(k, _) => vec![*k],
             Mistake::Time(..) => Vec::new(),
         }
     }
@@ -78,11 +72,8 @@ impl Mistake {
     }
 
     /// Whether the readings permit it: those of a heated ambient sensor rise and fall with a temperature of the motor, so that a common
-    /// fraction of its change explains more of their change than it leaves. Another interval in all runs is another motor.
+    /// fraction of its change explains more of their change than it leaves.
     pub fn is_permitted(&self, experiment: &Experiment, runs: &[usize]) -> bool {
-        if matches!(self, Mistake::Time(_, None)) {
-            return runs.len() < experiment.runs.len();
-        }
         let Mistake::Heated(ambient) = self else { return true };
         let inputs = experiment.inputs.len();
         let thermometers = experiment.outputs.iter().enumerate().filter(|(_, one)| one.is_temperature());
@@ -122,7 +113,7 @@ impl Mistake {
                     column.fill(first);
                 }
                 // The values require the model: `super::unmeasured`.
-                Mistake::Unmeasured { .. } | Mistake::Magnitude { .. } => {}
+                Mistake::Unmeasured { .. } | Mistake::Magnitude(_) => {}
                 Mistake::Slow(k, tau) => {
                     table.columns[*k] = without_lag(&table.time, &table.columns[*k], *tau)
                 }
@@ -186,13 +177,12 @@ impl Mistake {
                 );
                 (name(*column), reason, format!("check whether {} was measured", name(*column)))
             }
-            Mistake::Magnitude { column, .. } => {
+            Mistake::Magnitude(k) => {
                 let reason = format!(
                     "{} in {files} is never negative and contradicts the model, which the same magnitude with both signs would agree with",
-                    name(*column)
+                    name(*k)
                 );
-                let suggestion = format!("record {} with its sign", name(*column));
-                (name(*column), reason, suggestion)
+                (name(*k), reason, format!("record {} with its sign", name(*k)))
             }
             Mistake::Slow(k, tau) => {
                 let reason = format!(
@@ -203,7 +193,7 @@ impl Mistake {
             }
             Mistake::Time(factor, None) => {
                 let reason = format!(
-                    "time_s in {files} contradicts the model and the other runs, which times multiplied by {factor} would agree with"
+                    "time_s in {files} contradicts the model and the other runs, which times multiplied by {factor:.3} would agree with"
                 );
                 ("time_s".to_string(), reason, "check the sampling interval of the file".to_string())
             }
@@ -230,8 +220,6 @@ fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
 /// Two units with factors or offsets that differ by less are the same. Numerical: rounding of the factors.
 const SAME: f64 = 1e-3;
 
-/// Ratios of a sampling interval to the one that the times of a file state. Numerical: usual settings of a logger differ by them.
-const INTERVALS: [f64; 6] = [0.5, 2.0, 0.2, 5.0, 0.1, 10.0];
 /// Longest lag of an input that is tried, as a fraction of the run. Numerical: the readings of a longer one are nearly constant.
 const SLOWEST: f64 = 0.1;
 
@@ -329,7 +317,6 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     {
         found.push(Mistake::Time(factor, Some(unit)));
     }
-    found.extend(INTERVALS.map(|factor| Mistake::Time(factor, None)));
     let longest = experiment.runs.iter().map(|run| run.table.time.as_slice());
     let longest = longest.max_by(|a, b| (a[a.len() - 1] - a[0]).total_cmp(&(b[b.len() - 1] - b[0])));
     for (k, channel) in all.iter().enumerate() {

@@ -22,6 +22,11 @@ const SHORT: (usize, usize) = (16, 6);
 /// First and last difference of the common logarithm of a factor. Numerical: the factor is known to 1 %.
 const POWERS: (f64, f64) = (0.25, 0.005);
 
+/// Common logarithm of the greatest factor of an input, and of the interval between the rows. Limit: units differ by thousands, usual settings
+/// of a logger by tens.
+const MOST_POWER: f64 = 3.0;
+const INTERVALS: f64 = 1.25;
+
 /// Factor of time below which a preset of another size is no explanation. Limit: time constants of motors differ by tens, not by hundreds.
 const ANOTHER_SIZE: f64 = 1e-2;
 
@@ -199,6 +204,11 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
     if best.is_empty() && worst_now > 2.0 * PART {
         best.extend(any_factor(judge, at, &changed).into_iter().filter(is_better));
     }
+    // Another interval in all files is another motor.
+    if !judge.beside.is_empty() {
+        let with = |factor: f64| changed(&Mistake::Time(factor, None));
+        best.extend(best_factor(judge, INTERVALS, 1.0 + PART, &with).filter(is_better));
+    }
     shortlist(&mut best);
     // Exchanged thermometers, or a common wrong unit, hardly change the shapes.
     let alike = candidates.iter().filter(|m| m.is_alike(at)).filter_map(changed);
@@ -221,9 +231,7 @@ fn confirmed(
         let as_meant = fitted(judge, &one.data)?;
         // An output that implies an input is not evidence: both costs are computed without it.
         let without = match one.mistake {
-            Mistake::Unmeasured { by, .. } | Mistake::Magnitude { by: Some(by), .. } => {
-                Some(fitted(judge, &blanked(at, judge.runs, by))?)
-            }
+            Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(at, judge.runs, by))?),
             _ => None,
         };
         // At the deadline the best of those that were confirmed is the answer; they come in the order of their scores.
@@ -318,32 +326,39 @@ fn any_factor(
     experiment: &Experiment,
     changed: &dyn Fn(&Mistake) -> Option<Changed>,
 ) -> Vec<Changed> {
-    let mut found = Vec::new();
-    for (k, channel) in experiment.inputs.iter().enumerate() {
-        if matches!(channel.unit, Unit::Kelvin | Unit::Pascal | Unit::One) {
-            continue;
-        }
-        let mut best: Option<(f64, Changed)> = None;
-        let mut step = POWERS.0;
-        let mut powers: Vec<f64> =
-            (-12..=12).map(|k| f64::from(k) * step).filter(|p| p.abs() > FACTOR.log10()).collect();
-        while step > POWERS.1 && !judge.deadline.is_near() {
-            for power in std::mem::take(&mut powers) {
-                let factor = 10f64.powf(power);
-                let words = format!("readings times {factor:.3}");
-                let one = changed(&Mistake::Affine { columns: vec![k], factor, offset: 0.0, words });
-                let is_better =
-                    |one: &Changed| best.as_ref().is_none_or(|(_, least)| one.score < least.score);
-                if let Some(one) = one.filter(is_better) {
-                    best = Some((power, one));
-                }
+    let is_load = |unit: Unit| !matches!(unit, Unit::Kelvin | Unit::Pascal | Unit::One);
+    let loads = experiment.inputs.iter().enumerate().filter(|(_, channel)| is_load(channel.unit));
+    let of = |k: usize| {
+        let with = |factor: f64| {
+            let words = format!("readings times {factor:.3}");
+            changed(&Mistake::Affine { columns: vec![k], factor, offset: 0.0, words })
+        };
+        best_factor(judge, MOST_POWER, FACTOR, &with)
+    };
+    loads.filter_map(|(k, _)| of(k)).collect()
+}
+
+/// The factor from 10^-`most` to 10^`most` that gives the best agreement; those between 1 / `least` and `least` are none.
+fn best_factor(
+    judge: &Judge,
+    most: f64,
+    least: f64,
+    with: &dyn Fn(f64) -> Option<Changed>,
+) -> Option<Changed> {
+    let mut best: Option<(f64, Changed)> = None;
+    let mut step = POWERS.0;
+    let steps = (most / step) as i32;
+    let mut powers: Vec<f64> = (-steps..=steps).map(|k| f64::from(k) * step).collect();
+    while step > POWERS.1 && !judge.deadline.is_near() {
+        for power in std::mem::take(&mut powers).into_iter().filter(|p| p.abs() > least.log10()) {
+            let is_better = |one: &Changed| best.as_ref().is_none_or(|(_, least)| one.score < least.score);
+            if let Some(one) = with(10f64.powf(power)).filter(is_better) {
+                best = Some((power, one));
             }
-            step *= 0.5;
-            let Some((at, _)) = &best else { break };
-            powers = vec![at - step, at + step];
-            powers.retain(|p| p.abs() > FACTOR.log10());
         }
-        found.extend(best.map(|(_, one)| one));
+        step *= 0.5;
+        let (at, _) = best.as_ref()?;
+        powers = vec![at - step, at + step];
     }
-    found
+    best.map(|(_, one)| one)
 }

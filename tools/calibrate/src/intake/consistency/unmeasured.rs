@@ -8,8 +8,8 @@
 //! than the structure error, no conclusion is drawn.
 //!
 //! Of a current, a speed, a torque or a voltage that is never negative, the sign may not have been recorded. An output has the sign of its
-//! prediction; an input, in each row, the sign with which an output is predicted better. This output is then no evidence. If hardly any row is
-//! negative, the sign is not missing.
+//! prediction; an input, in each row, the sign with which an output is predicted better. This output remains evidence: its magnitude has to
+//! agree, too. If hardly any row is negative, the sign is not missing.
 
 use super::search::Changed;
 use super::{Judge, Mistake, Predicted, blanked};
@@ -85,9 +85,8 @@ fn without_sign(
         if negative < SMALL * whole {
             return None;
         }
-        let data = by.map_or_else(|| data.clone(), |by| blanked(&data, judge.runs, by));
         let shown = if by.is_some() { judge.predicted(&data) } else { predicted.clone() };
-        Some(Changed { score: 0.0, mistake: Mistake::Magnitude { column, by }, data, shown })
+        Some(Changed { score: 0.0, mistake: Mistake::Magnitude(column), data, shown })
     };
     let of_inputs = (0..inputs).filter(is_magnitude);
     let of_inputs =
