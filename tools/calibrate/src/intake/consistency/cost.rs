@@ -46,13 +46,13 @@ impl Cost {
         self.outputs.iter().sum::<f64>() + self.prior
     }
 
-    /// Whether the cost is worse in those outputs in which the two differ, `except` for one. The other outputs may lack an unrelated
-    /// effect.
-    pub(super) fn is_worse_than(&self, other: &Cost, except: Option<usize>) -> bool {
+    /// Whether the cost is worse by this factor in those outputs in which the two differ, `except` for one. The other outputs may lack an
+    /// unrelated effect.
+    pub(super) fn is_worse_than(&self, other: &Cost, factor: f64, except: Option<usize>) -> bool {
         let pairs = self.outputs.iter().zip(&other.outputs).enumerate().filter(|(k, _)| Some(*k) != except);
         let pairs = pairs.map(|(_, pair)| pair).filter(|(own, other)| (*own - *other).abs() > LEAST);
         let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
-        own > FACTOR * meant && own > meant + DECISIVE
+        own > factor * meant && own > meant + DECISIVE
     }
 
     /// (3), with respect to a fit with one parameter more.

@@ -3,7 +3,7 @@
 use super::super::ambient;
 use crate::experiment::units::{names, units};
 use crate::experiment::{CELSIUS, Channel, Experiment};
-use crate::levels::PART;
+use crate::levels::{FACTOR, PART};
 use physics::declare::Unit;
 
 /// Hypothetical mistake: a change of the data.
@@ -53,6 +53,12 @@ impl Mistake {
     /// Whether it contradicts only the rows after changes of the load, so that the outputs agree in part: the fit decides.
     pub fn is_partial(&self) -> bool {
         matches!(self, Mistake::Slow(..) | Mistake::Time(_, None))
+    }
+
+    /// Factor by which the data as they are have to deviate more. No effect makes an output respond before its cause, so that a lag of an
+    /// input only has to account for more than it leaves.
+    pub fn factor(&self) -> f64 {
+        if matches!(self, Mistake::Slow(..)) { 2.0 } else { FACTOR }
     }
 
     /// Whether it hardly changes the shapes: two thermometers of the motor exchanged, all temperatures in another unit, or an ambient

@@ -129,7 +129,7 @@ fn other_values(
         if !found.iter().any(|(known, ..)| known == name)
             && let Some((cost, value, own)) = with_free(judge, experiment, name)?
             && (1.0 / FACTOR..=FACTOR).contains(&(value / own))
-            && !cost.is_worse_than(as_meant, None)
+            && !cost.is_worse_than(as_meant, FACTOR, None)
         {
             found.push((name.clone(), value, own));
         }
@@ -238,7 +238,7 @@ fn confirmed(
         if as_meant.is_cut {
             break;
         }
-        if without.as_ref().unwrap_or(as_is).is_worse_than(&as_meant, None) {
+        if without.as_ref().unwrap_or(as_is).is_worse_than(&as_meant, one.mistake.factor(), None) {
             // As if the output that is no evidence agreed to within the structure error.
             let of_output = if without.is_some() { SAMPLES * judge.runs.len() as f64 } else { 0.0 };
             all.push((as_meant.whole() + of_output, as_meant, one));
@@ -256,7 +256,7 @@ fn confirmed(
         if one.mistake.is_simulated(inputs) {
             for k in (0..at.outputs.len()).filter(|k| !one.mistake.touches().contains(&(inputs + k))) {
                 let alone = fitted(judge, &blanked(at, judge.runs, inputs + k))?;
-                is_sensor |= !alone.is_cut && as_meant.is_worse_than(&alone, Some(k));
+                is_sensor |= !alone.is_cut && as_meant.is_worse_than(&alone, FACTOR, Some(k));
             }
         }
         if !is_sensor {
