@@ -98,23 +98,20 @@ impl AnnulusCooledMotor {
         let from = self.drivers_after(time, 0.0);
         let mut to = self.drivers_after(time, h);
         let mut mean = from.middle(&to);
-        if !self.own.constants.holds_states {
-            for (k, lag) in self.lags_of_terms().iter().enumerate() {
-                if let Some(Lag { driver, tau, .. }) = *lag {
-                    let source = [&from, &mean, &to].map(|drivers| drivers.of(driver));
-                    to.lagged[k] = lagged(from.lagged[k], tau, source, h);
-                    mean.lagged[k] = mean_lagged([from.lagged[k], to.lagged[k]], tau, source, h);
-                }
-            }
-            return Ok([from, mean, to]);
+        let (lags, holds_states) = (self.lags_of_terms(), self.own.constants.holds_states);
+        // First estimate of the lags of states: their drivers stay as they are.
+        let present = if holds_states { self.lag_sources() } else { [0.0; MOST_TERMS] };
+        for (k, lag) in lags.iter().enumerate() {
+            let Some(Lag { driver, tau, .. }) = *lag else { continue };
+            let source = match holds_states {
+                true => [present[k]; 3],
+                false => [&from, &mean, &to].map(|drivers| drivers.of(driver)),
+            };
+            to.lagged[k] = lagged(from.lagged[k], tau, source, h);
+            mean.lagged[k] = mean_lagged([from.lagged[k], to.lagged[k]], tau, source, h);
         }
-        // First estimate of the lags: their drivers stay as they are.
-        let sources = self.lag_sources();
-        for (k, lag) in self.lags_of_terms().iter().enumerate() {
-            if let Some(Lag { tau, .. }) = *lag {
-                to.lagged[k] = lagged(from.lagged[k], tau, [sources[k]; 3], h);
-                mean.lagged[k] = mean_lagged([from.lagged[k], to.lagged[k]], tau, [sources[k]; 3], h);
-            }
+        if !holds_states {
+            return Ok([from, mean, to]);
         }
         let before = self.checkpoint();
         let taken = self.take_along(time, h, &[from, mean, to]);
