@@ -8,7 +8,7 @@
 //! than the structure error, no conclusion is drawn.
 //!
 //! Of a current, a speed, a torque or a voltage that is never negative, the sign may not have been recorded. An output has the sign of its
-//! prediction; an input, in each row, the sign with which an output is predicted better. This output remains evidence: its magnitude has to
+//! prediction; an input, in each row, the sign with which an output of a cold motor is predicted better. This output remains evidence: its magnitude has to
 //! agree, too. If hardly any row is negative, the sign is not missing.
 
 use super::search::Changed;
@@ -60,15 +60,15 @@ fn without_sign(
     };
     let signed = |(column, by): (usize, Option<usize>)| -> Option<Changed> {
         let mut data = experiment.clone();
-        let other = by.map(|_| judge.predicted(&turned(judge, experiment, column)));
+        let either = by.map(|_| [experiment, &turned(judge, experiment, column)].map(|e| cold(judge, e)));
         let (mut whole, mut negative) = (0.0, 0.0);
         for (n, run) in judge.runs.iter().enumerate() {
             let columns = &mut data.runs[*run].table.columns;
             for row in 0..columns[column].len() {
-                let is_negative = match (&other, by) {
-                    (Some(other), Some(by)) => {
+                let is_negative = match (&either, by) {
+                    (Some([own, other]), Some(by)) => {
                         let off = |p: &Predicted| (columns[by][row] - p[n][by - inputs][row]).abs();
-                        off(other) < off(predicted)
+                        off(other) < off(own)
                     }
                     _ => predicted[n][column - inputs][row] < 0.0,
                 };
@@ -93,6 +93,18 @@ fn without_sign(
         of_inputs.flat_map(|column| disagreeing.iter().map(move |by| (column, Some(inputs + by))));
     let of_outputs = disagreeing.iter().map(|k| inputs + k).filter(is_magnitude).map(|column| (column, None));
     of_inputs.chain(of_outputs).filter_map(signed).collect()
+}
+
+/// Prediction of a motor that hardly warms up: a voltage with the wrong sign would overheat it, so that it cannot be simulated.
+fn cold(judge: &Judge, experiment: &Experiment) -> Predicted {
+    let mut cold = experiment.clone();
+    for name in ["thermal.C_w", "thermal.C_h"] {
+        if let Some(entry) = super::super::declaration(experiment).and_then(|all| all.by_name(name)) {
+            cold.set.retain(|(own, _)| own != name);
+            cold.set.push((name.to_string(), entry.row.max));
+        }
+    }
+    super::super::predicted(&cold, judge.preset, judge.runs, &judge.deadline)
 }
 
 /// The data with the opposite sign of a column.
