@@ -93,6 +93,8 @@ pub fn outcome(
         }
         found.term = addition.term();
     }
+    // In reports listed effects come first.
+    effects.sort_by_key(|found| found.term.is_some());
     // Parameters of single runs follow those common to all runs.
     let common = setup.declared.iter().filter(|d| d.runs.is_none()).count();
     naive.truncate(common);
