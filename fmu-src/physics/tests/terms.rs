@@ -179,7 +179,7 @@ fn a_mass_is_a_node() {
     assert!(m.set_terms(&[mass(Port::HousingHeat, Driver::HousingTemperature, conductance, tau)]));
     m.inputs.current_command = 5.0;
     m.start(0.0).unwrap();
-    let p = m.parameters.clone();
+    let p = m.parameters;
     let (motor, thermal) = (&p.motor, &p.thermal);
     let ambient = m.inputs.ambient_temperature;
     let mut t = [ambient; 3];

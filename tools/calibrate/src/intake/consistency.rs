@@ -32,6 +32,8 @@
 mod cost;
 mod mistakes;
 mod search;
+#[cfg(test)]
+mod tests;
 mod unmeasured;
 
 use super::{Predicted, Unusable, sorted};

@@ -4,27 +4,25 @@ use super::*;
 use crate::testing::{self, normal, rng};
 use std::cell::Cell;
 
-mod inputs;
-
 const PRIORS: &str = "\"motor.R_ref\" = 0.05\n\"motor.k_t\" = 0.05\n\"thermal.R_wh\" = 0.2\n\"thermal.C_w\" = 0.2\n\
                       \"conductance.G_still\" = 0.2\n\"thermal.C_h\" = 0.2\n\"conductance.G_forced\" = 0.2";
 /// Noise of inputs and outputs, SI units.
 const SIGMA: [f64; 8] = [0.004, 0.3, 0.0, 0.02, 0.02, 6e-4, 0.1, 0.1];
-const CURRENT: usize = 0;
-const SPEED: usize = 1;
+pub(super) const CURRENT: usize = 0;
+pub(super) const SPEED: usize = 1;
 const AMBIENT: usize = 3;
-const VOLTAGE: usize = 4;
-const TORQUE: usize = 5;
+pub(super) const VOLTAGE: usize = 4;
+pub(super) const TORQUE: usize = 5;
 const WINDING: usize = 6;
 const HOUSING: usize = 7;
 
 /// One run of 1200 rows of 3 s with steps of current, speed and fan; the readings are those of a specimen that differs from the preset.
-fn experiment(seed: u64) -> Experiment {
+pub(super) fn experiment(seed: u64) -> Experiment {
     with_inputs(seed, |_| ())
 }
 
 /// The same with modified inputs.
-fn with_inputs(seed: u64, change: impl Fn(&mut [Vec<f64>])) -> Experiment {
+pub(super) fn with_inputs(seed: u64, change: impl Fn(&mut [Vec<f64>])) -> Experiment {
     let mut experiment = testing::experiment(PRIORS, true);
     experiment.noise.clear();
     let rows = 1200;
@@ -50,7 +48,7 @@ fn with_inputs(seed: u64, change: impl Fn(&mut [Vec<f64>])) -> Experiment {
     experiment
 }
 
-fn column(experiment: &mut Experiment, k: usize) -> &mut Vec<f64> {
+pub(super) fn column(experiment: &mut Experiment, k: usize) -> &mut Vec<f64> {
     &mut experiment.runs[0].table.columns[k]
 }
 
@@ -262,7 +260,7 @@ fn a_run_that_starts_elsewhere_is_unusable() {
     }
 }
 
-fn unusable(experiment: &mut Experiment) -> Option<String> {
+pub(super) fn unusable(experiment: &mut Experiment) -> Option<String> {
     match check(experiment, &[], &Deadline::default()) {
         Err(Refusal::Unusable(why)) => Some(why.channel),
         other => {
@@ -368,7 +366,7 @@ fn a_small_current_is_no_dead_sensor() {
     assert!(blank(vec![vec![vec![0.0; rows]; 4]]) > 100);
 }
 
-fn reason(experiment: &mut Experiment) -> String {
+pub(super) fn reason(experiment: &mut Experiment) -> String {
     match check(experiment, &[], &Deadline::default()) {
         Err(Refusal::Unusable(why)) => format!("{}: {}", why.channel, why.reason),
         other => format!("{other:?}, {:?}", experiment.notes),

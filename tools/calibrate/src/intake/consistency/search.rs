@@ -22,9 +22,9 @@ const SHORT: (usize, usize) = (16, 6);
 /// First and last difference of the common logarithm of a factor. Numerical: the factor is known to 1 %.
 const POWERS: (f64, f64) = (0.25, 0.005);
 
-/// Common logarithm of the greatest factor of an input, and of the interval between the rows. Limit: units differ by thousands, usual settings
-/// of a logger by tens.
+/// Common logarithm of the greatest factor of an input. Limit: units differ by thousands.
 const MOST_POWER: f64 = 3.0;
+/// Common logarithm of the greatest factor of the interval between the rows. Limit: usual settings of a logger differ by tens.
 const INTERVALS: f64 = 1.25;
 
 /// Factor of time below which a preset of another size is no explanation. Limit: time constants of motors differ by tens, not by hundreds.
