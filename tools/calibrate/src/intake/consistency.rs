@@ -18,8 +18,9 @@
 //! are confirmed: the declared parameters are fitted to the data as they are and as changed by the hypothesis, with a
 //! structure error of [`STRUCTURE`] of each output's size and [`SAMPLES`] independent readings per run as the noise. The data are
 //! contradictory only if the minimum of the former is [`FACTOR`] times that of the latter (2 for a lag of an input, since no effect makes an
-//! output respond before its cause): no values within the priors explain the data as well. A mistake in one file is compared together with
-//! the fit runs of the other files, if these agree with the model: they then determine the parameters, and predict instead of the preset.
+//! output respond before its cause): no values within the priors explain the data as well. Another interval between the rows of a file is
+//! compared together with the fit runs of the other files, if these agree with the model: they then determine the parameters, and predict
+//! instead of the preset. It has to explain the file as well as parameters of its own would (Schwarz's criterion).
 //!
 //! Before that, parameters without prior get one if their values in the preset contradict the data (`undeclared.rs`). Since a mistake may
 //! stand beside them, the evidence counts for errors of the size above and for errors of unknown size: C the cost, n the number of
@@ -42,7 +43,7 @@ use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Run, Start};
 use crate::hypothesis::Hypothesis;
-use crate::levels::{CERTAIN, FACTOR, NEARLY, STRUCTURE};
+use crate::levels::{CERTAIN, FACTOR, NEARLY, SAMPLES, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 use mistakes::Mistake;
@@ -61,6 +62,7 @@ const ROUNDING: f64 = 1e-9;
 const LEAST_RISE: f64 = 0.5;
 
 /// Predictions of the model and their deviation from the data.
+#[derive(Clone)]
 struct Judge<'a> {
     preset: &'a [(u32, f64)],
     /// The runs in which a mistake is looked for.
@@ -69,6 +71,8 @@ struct Judge<'a> {
     beside: Vec<usize>,
     /// Fit of the further runs, which predicts instead of the preset.
     base: Option<Hypothesis>,
+    /// Cost up to which a hypothesis is confirmed: that of another explanation.
+    most: f64,
     deadline: Deadline,
 }
 
@@ -229,7 +233,14 @@ pub fn contradiction(
 ) -> Result<Result<Vec<Option<Reference>>, Unusable>, CalibrateError> {
     let all: Vec<usize> = super::all_runs(experiment);
     let mut thin = thinned(experiment, ROWS);
-    let whole = Judge { preset, runs: &all, beside: Vec::new(), base: None, deadline: deadline.clone() };
+    let whole = Judge {
+        preset,
+        runs: &all,
+        beside: Vec::new(),
+        base: None,
+        most: f64::INFINITY,
+        deadline: deadline.clone(),
+    };
     if let Some(unusable) = wrong_time(&whole, &thin, "every run")? {
         return Ok(Err(unusable));
     }
@@ -283,7 +294,7 @@ fn mistaken(
     experiment: &Experiment,
     bad: &[usize],
 ) -> Result<Option<Unusable>, CalibrateError> {
-    let (all, preset) = (whole.runs, whole.preset);
+    let all = whole.runs;
     let predicted = whole.predicted(experiment);
     if 2 * bad.len() > all.len()
         && let Some(unusable) = search(whole, experiment, &predicted, "every run")?
@@ -299,11 +310,21 @@ fn mistaken(
         }
     }
     for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
-        let deadline = whole.deadline.clone();
-        let (beside, base) = agreeing(whole, experiment, runs, bad)?;
-        let judge = Judge { preset, runs, beside, base, deadline };
-        if let Some(unusable) = search(&judge, experiment, &judge.predicted(experiment), file)? {
+        let alone = Judge { runs, ..whole.clone() };
+        let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
+        if let Some(unusable) = search(&alone, experiment, &own, file)? {
             return Ok(Some(unusable));
+        }
+        let (beside, base) = agreeing(whole, experiment, runs, bad)?;
+        if !beside.is_empty() {
+            // A run may have parameters of its own; the mistake is one number instead.
+            let others = (experiment.priors.len() as f64 - 1.0).max(0.0);
+            let readings = SAMPLES * (runs.len() * experiment.outputs.len()) as f64;
+            let most = fitted(&alone, experiment)?.whole() + others * readings.ln();
+            let judge = Judge { beside, base, most, ..alone };
+            if let Some(unusable) = search(&judge, experiment, &judge.predicted(experiment), file)? {
+                return Ok(Some(unusable));
+            }
         }
     }
     Ok(None)
@@ -324,8 +345,7 @@ fn agreeing(
     if runs.is_empty() {
         return Ok((runs, None));
     }
-    let (preset, deadline) = (whole.preset, whole.deadline.clone());
-    let cost = fitted(&Judge { preset, runs: &runs, beside: Vec::new(), base: None, deadline }, experiment)?;
+    let cost = fitted(&Judge { runs: &runs, ..whole.clone() }, experiment)?;
     let agree = !cost.bad_runs().iter().any(|run| runs.contains(run));
     Ok(if agree { (runs, cost.best.map(|best| best.hypothesis)) } else { (Vec::new(), None) })
 }

@@ -52,7 +52,7 @@ impl Mistake {
 
     /// Whether it contradicts only the rows after changes of the load, so that the outputs agree in part: the fit decides.
     pub fn is_partial(&self) -> bool {
-        matches!(self, Mistake::Slow(..) | Mistake::Time(_, None))
+        matches!(self, Mistake::Slow(..))
     }
 
     /// Factor by which the data as they are have to deviate more. No effect makes an output respond before its cause, so that a lag of an

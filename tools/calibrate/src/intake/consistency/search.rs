@@ -140,6 +140,10 @@ fn other_values(
 /// The hypotheses that agree better with the model than the data as they are, or hardly differ from them.
 fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<Changed>, CalibrateError> {
     let inputs = at.inputs.len();
+    // The runs of different files may differ by more than parameters, so that only one mistake is looked for in comparison with others.
+    if !judge.beside.is_empty() {
+        return Ok(interval(judge, at, predicted).into_iter().collect());
+    }
     // An output is compared with the preset, or with what the other outputs imply: a current that is the small difference of two voltages
     // is predicted by no preset.
     let implied = crossed(judge, at, predicted)?;
@@ -204,17 +208,25 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
     if best.is_empty() && worst_now > 2.0 * PART {
         best.extend(any_factor(judge, at, &changed).into_iter().filter(is_better));
     }
-    // Another interval in all files is another motor.
-    if !judge.beside.is_empty() {
-        let with = |factor: f64| changed(&Mistake::Time(factor, None));
-        best.extend(best_factor(judge, INTERVALS, 1.0 + PART, &with).filter(is_better));
-    }
     shortlist(&mut best);
     // Exchanged thermometers, or a common wrong unit, hardly change the shapes.
     let alike = candidates.iter().filter(|m| m.is_alike(at)).filter_map(changed);
     best.extend(alike.filter(|one| one.score < FALL));
     best.extend(unmeasured::of(judge, at, predicted, &before[1]));
     Ok(best)
+}
+
+/// The interval between the rows with the best agreement. In all files another interval is another motor.
+fn interval(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Option<Changed> {
+    let before = score(&judge.outputs(at, predicted));
+    let with = |factor: f64| {
+        let (mistake, mut data) = (Mistake::Time(factor, None), at.clone());
+        mistake.apply(&mut data, judge.runs);
+        let shown = judge.predicted(&data);
+        let score = score(&judge.outputs(&data, &shown)) - before;
+        Some(Changed { score, mistake, data, shown })
+    };
+    best_factor(judge, INTERVALS, 1.0 + PART, &with).filter(|one| one.score < -FALL)
 }
 
 /// The hypothesis with the least cost that no parameter values within the priors replace, and others about the same columns that explain
@@ -238,7 +250,9 @@ fn confirmed(
         if as_meant.is_cut {
             break;
         }
-        if without.as_ref().unwrap_or(as_is).is_worse_than(&as_meant, one.mistake.factor(), None) {
+        let is_better =
+            without.as_ref().unwrap_or(as_is).is_worse_than(&as_meant, one.mistake.factor(), None);
+        if is_better && as_meant.whole() <= judge.most {
             // As if the output that is no evidence agreed to within the structure error.
             let of_output = if without.is_some() { SAMPLES * judge.runs.len() as f64 } else { 0.0 };
             all.push((as_meant.whole() + of_output, as_meant, one));
