@@ -1,6 +1,6 @@
 //! Cases with a known answer: closed forms, the matrix exponential, and the order of the split.
 
-use crate::common::{friction, motor};
+use crate::common::{cooling_modes, friction, motor};
 use nalgebra::{Matrix2, Vector2};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
@@ -136,5 +136,33 @@ fn the_order_of_the_energy_balance() {
     for pair in residuals.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!(order > 3.7 && order < 5.0, "order {order}, residuals {residuals:?}");
+    }
+}
+
+/// A step as short as the rounding of the time, as a division of a step at an event leaves it, changes nothing for the steps
+/// that follow, however long.
+#[test]
+fn a_step_of_the_rounding_of_the_time_is_a_step() {
+    for mode in cooling_modes() {
+        for stator_node in [0.0, 40.0] {
+            let mut plain = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
+            plain.parameters.choices.cooling_mode = mode;
+            plain.parameters.effects.stator_node.C_s = stator_node;
+            plain.parameters.effects.stator_node.R_sh = if stator_node > 0.0 { 0.1 } else { 0.0 };
+            plain.inputs.current_command = 3.0;
+            plain.inputs.imposed_speed = 200.0;
+            plain.inputs.coolant_flow_rate = 1e-5;
+            plain.start(33_000.0).unwrap();
+            plain.step(33_000.0, 2.0).unwrap();
+            let mut divided = plain.clone();
+            for (k, short) in [1e-15, 3e-12, 1e-10, 2e-16].into_iter().enumerate() {
+                let long = [2.0, 40.0, 0.01, 600.0][k];
+                divided.step(divided.time(), short).unwrap();
+                divided.step(divided.time(), long).unwrap_or_else(|e| panic!("{mode:?}, {short} s: {e:?}"));
+                plain.step(plain.time(), long).unwrap();
+            }
+            let apart = (divided.state().temperature - plain.state().temperature).amax();
+            assert!(apart <= 1e-5, "{mode:?}, stator node {stator_node}: {apart} K");
+        }
     }
 }

@@ -22,7 +22,7 @@ use crate::solver::stabilized::States;
 use crate::terms::Drivers;
 use declare::Group;
 
-/// A substep shorter than this fraction of the communication step is a step failure.
+/// A step fails if a substep longer than this fraction of it is rejected for a shorter one.
 const LEAST_SHARE: f64 = 1e-9;
 /// Largest change of the ambient temperature within a substep, K; the cooling has its midpoint value.
 const MOVE: f64 = 0.25;
@@ -194,11 +194,6 @@ impl AnnulusCooledMotor {
             let rest = h - done;
             let substep = if trial >= rest * (1.0 - 1e-9) { rest } else { trial.min(0.5 * rest) };
             tried += 1;
-            if substep < LEAST_SHARE * h || tried > MOST_STEPS {
-                let fault = self.step_failure(time, done, substep);
-                self.return_to(before);
-                return Err(fault.into());
-            }
             match self.substep(time + done, substep) {
                 Ok(Ok(())) => {
                     done += substep;
@@ -206,6 +201,11 @@ impl AnnulusCooledMotor {
                     if substep == rest {
                         break;
                     }
+                }
+                Ok(Err(shorter)) if shorter < LEAST_SHARE * h || tried >= MOST_STEPS => {
+                    let fault = self.step_failure(time, done, shorter);
+                    self.return_to(before);
+                    return Err(fault.into());
                 }
                 Ok(Err(shorter)) => trial = shorter,
                 Err(halt) => {
@@ -287,7 +287,12 @@ impl AnnulusCooledMotor {
             return Err(Halt::Limit);
         }
         network.accept();
-        network.substep = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
+        network.substep = if advance.error < 0.008 {
+            // A short communication step says nothing against a long substep.
+            network.substep.max(4.0 * h)
+        } else {
+            h * (0.8 / advance.error.cbrt()).min(4.0)
+        };
         next.energy[2] += advance.to_ambient - advance.left;
         (self.own.state, self.own.phases) = (next, phases);
         self.follow_sensors(sensed, h);
