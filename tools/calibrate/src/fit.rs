@@ -10,6 +10,7 @@
 //! simulation.
 //! *Source*: Bates, Watts, Nonlinear Regression Analysis (1988), ch. 2 and 3; priors as in PEtab.
 
+mod starts;
 #[cfg(test)]
 mod tests;
 
@@ -21,7 +22,6 @@ use crate::tangent::{Direction, Probe, Tangent};
 use least_squares::{Options, Problem, minimise};
 use nalgebra::{DMatrix, DVector};
 use physics::terms::Port;
-use std::time::{Duration, Instant};
 
 /// Options of a fit near the optimum. Numerical: a step that reduces (1) by less than `decrease` is the last; strong evidence is 60
 /// times as much.
@@ -37,25 +37,12 @@ const OPTIONS: Options = Options {
 
 /// Options for a start far from the optimum. Numerical: more iterations, and damping as the linearization is poor.
 const FAR: Options = Options { damping: 1e-2, linearisations: 40, ..OPTIONS };
-/// Options for the final fit from the best start. Numerical: otherwise the result along a direction of nearly constant cost would
-/// depend on the start.
-const LAST: Options = Options { damping: 1e-6, linearisations: 12, decrease: 1e-5, ..OPTIONS };
-/// Number of simulated starts, in addition to the preset. Numerical: starts of a fit.
-const TRIED: usize = 48;
-/// Number of fitted starts, in addition to the preset. Numerical: starts of a fit.
-const STARTS: usize = 2;
-/// Range of the simulated starts as a factor on ln(1 + relative deviation), three standard deviations, and its upper limit. Numerical:
-/// starts of a fit.
-const SPREAD: (f64, f64) = (3.0, 5.0);
 /// Perturbation of a parameter for its sensitivity, relative to its value or deviation. Numerical: half of the digits remain in the
 /// difference.
 const WAY: f64 = 1e-4;
 /// Changes of a parameter within which its sensitivities are reused: logarithm or relative value, and prior deviations. Numerical: they
 /// are updated if a step with them does not reduce the cost.
 const REUSED: (f64, f64) = (0.05, 0.3);
-/// Time limit for the simulated starts. Numerical: a limit of effort.
-const TRYING: Duration = Duration::from_millis(1500);
-
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
 pub struct Fitted {
@@ -230,6 +217,17 @@ impl Setup<'_> {
         options: &Options,
     ) -> Result<Fitted, CalibrateError> {
         let scales = self.scaled(&start, logarithms);
+        self.fit_scaled(start, runs, scales, options)
+    }
+
+    /// The fit with these transformations and limits.
+    fn fit_scaled(
+        &self,
+        start: Hypothesis,
+        runs: &[usize],
+        scales: Vec<Scale>,
+        options: &Options,
+    ) -> Result<Fitted, CalibrateError> {
         let limits: Vec<(f64, f64)> =
             scales.iter().map(|s| (s.variable(s.limits.0), s.variable(s.limits.1))).collect();
         let numbers = start.numbers();
@@ -268,78 +266,11 @@ impl Setup<'_> {
         };
         Ok(fit.informations(fitted, &fit.columns(fitted)?))
     }
-
-    /// The first fit of the declared parameters: from the preset, and with wide priors also from further starts.
-    ///
-    /// # Errors
-    /// The model's error if it cannot be simulated from any start.
-    pub fn refit(&self, runs: &[usize]) -> Result<Fitted, CalibrateError> {
-        let plain = self.fit(self.preset(), runs);
-        if !self.declared.iter().any(is_wide) {
-            return plain;
-        }
-        let mut best = plain;
-        for start in std::iter::once(self.preset()).chain(self.starts(runs)) {
-            if best.is_ok() && self.deadline().is_near() {
-                break;
-            }
-            let near = self.settled(start, runs);
-            let better = match (&near, &best) {
-                (Ok(near), Ok(best)) => near.cost < best.cost,
-                (near, _) => near.is_ok(),
-            };
-            if better {
-                best = near;
-            }
-        }
-        let best = best?;
-        if self.deadline().is_near() {
-            return Ok(best);
-        }
-        self.fit_with(best.hypothesis.clone(), runs, false, &LAST).or(Ok(best))
-    }
-
-    /// The best starts of a low-discrepancy sample of the wide priors (Halton's sequence, Numer. Math. 2 (1960) 84-90).
-    fn starts(&self, runs: &[usize]) -> Vec<Hypothesis> {
-        /// Bases of the sequence, one for each parameter. Definition: the first prime numbers.
-        const PRIMES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
-        let (begun, mut found) = (Instant::now(), Vec::new());
-        for n in 1..=TRIED {
-            if begun.elapsed() > TRYING || self.deadline().is_near() {
-                break;
-            }
-            let mut start = self.preset();
-            let wide = self.declared.iter().enumerate().filter(|(_, d)| is_wide(d));
-            for ((k, d), prime) in wide.zip(PRIMES) {
-                let spread = (SPREAD.0 * (1.0 + d.deviation / d.prior).ln()).min(SPREAD.1);
-                let power = spread * (2.0 * halton(n, prime) - 1.0);
-                start.declared[k] = (d.prior * power.exp()).clamp(d.limits.0, d.limits.1);
-            }
-            if let Ok(fitted) = self.judged(start, runs)
-                && fitted.cost.is_finite()
-            {
-                found.push(fitted);
-            }
-        }
-        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        found.into_iter().take(STARTS).map(|f| f.hypothesis).collect()
-    }
 }
 
 /// Whether a parameter can be wrong by a factor.
 pub fn is_wide(declared: &Declared) -> bool {
     declared.prior > 0.0 && declared.limits.0 >= 0.0 && declared.deviation > WIDE * declared.prior
-}
-
-/// The n-th element of Halton's sequence for a prime.
-fn halton(mut n: usize, prime: usize) -> f64 {
-    let (mut value, mut share) = (0.0, 1.0);
-    while n > 0 {
-        share /= prime as f64;
-        value += share * (n % prime) as f64;
-        n /= prime;
-    }
-    value
 }
 
 /// Transformation of a parameter to a variable of the fit: the value in units of its scale, or its logarithm.

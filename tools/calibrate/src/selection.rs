@@ -403,7 +403,7 @@ fn fitted<'a>(
         return Err(CalibrateError(format!("{} cannot be added", scored.name)));
     };
     let setup = point.setup;
-    let fitted = setup.fit(initial_guess(setup, start, addition), &point.runs)?;
+    let fitted = setup.fit_addition(initial_guess(setup, start, addition), &point.runs)?;
     let larger = Linearization::judged(setup, fitted, &point.runs)?;
     let cost = point.per_number() * addition.price()
         + if addition.is_listed() { 0.0 } else { choice(addition.port, addition.follows) };
