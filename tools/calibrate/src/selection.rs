@@ -25,7 +25,7 @@ use crate::setup::{BLOCKS, Setup};
 pub use companion::{beside, companion};
 use gate::{Judged, gate, implausible};
 pub use gate::{asked, predicts_where_it_acts};
-use preference::{is_element_of, is_part, law_elsewhere, order_by_likelihood};
+use preference::{best_prediction_first, is_element_of, is_part, law_elsewhere, order_by_likelihood};
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
 /// 3.2.
@@ -194,7 +194,7 @@ impl<'a> Round<'a> {
                     self.excuse.unwrap_or("explains most of all, and passes the gate").to_string()
                 }
                 (None, Some(best)) if self.winner().is_some_and(|taken| taken.sure() < c.sure()) => {
-                    format!("{best} is preferred: it states more, or explains as much with what is beside it")
+                    format!("{best} is preferred: it states more, predicts better, or explains as much with what is beside it")
                 }
                 (None, Some(best)) => format!("explains less than {best}"),
                 (None, None) => "is not the best".to_string(),
@@ -277,6 +277,7 @@ fn among<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -
     let Round { mut candidates, failed, .. } = candidates(point, start, scored);
     // Preferred are a listed effect to a law that explains little more, and a law of one driver to one of two or with an additional state.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
+    best_prediction_first(&candidates, &mut order);
     if let Some(best) = order.first().map(|k| &candidates[*k]) {
         // A second driver is a further addition: it has to explain as much as one, and not only what is left by nearly the same law.
         let is_enough = |c: &Candidate| {
@@ -290,7 +291,12 @@ fn among<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -
         let stands = |c: &Candidate| {
             (c.addition().is_listed() || (!best.is_simple() && c.is_simple())) && is_enough(c)
         };
-        order.sort_by_key(|k| !stands(&candidates[*k]));
+        let rank = |c: &Candidate| match (stands(c), c.addition().is_listed()) {
+            (true, true) => 0,
+            (true, false) => 1,
+            (false, _) => 2,
+        };
+        order.sort_by_key(|k| rank(&candidates[*k]));
         order_by_likelihood(&candidates, &mut order);
     }
     let taken = order.into_iter().find(|k| candidates[*k].judge(point));

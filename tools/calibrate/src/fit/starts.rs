@@ -21,10 +21,9 @@ const SPREAD: (f64, f64) = (3.0, 5.0);
 const TRYING: Duration = Duration::from_millis(1500);
 
 impl Setup<'_> {
-    /// The fit of a model with a new addition. Where the declared parameters end far from their priors or at a limit, the cost has
-    /// often a second minimum: two lags in series are the same in either order, and the filter of a winding is its heat capacity or
-    /// its thermometer. The fit is then repeated with the declared parameters within a standard deviation of their priors at first,
-    /// and the better one is returned.
+    /// The fit of a model with a new addition. Where a declared parameter ends at a limit, the cost has often a second minimum:
+    /// two lags in series are the same in either order, and a lag of the winding is its heat capacity or its thermometer. The fit is
+    /// then repeated with the declared parameters within a standard deviation of their priors at first, and the better one is returned.
     ///
     /// # Errors
     /// The model's error if it cannot be simulated.
@@ -44,8 +43,7 @@ impl Setup<'_> {
         };
         let own = self.fit(start.clone(), runs)?;
         let mut ends = self.declared.iter().zip(&own.hypothesis.declared);
-        let is_far = ends.any(|(d, value)| d.astray(*value) || !d.is_inside(*value));
-        if !is_far {
+        if ends.all(|(declared, value)| declared.is_inside(*value)) {
             return Ok(own);
         }
         Ok(match near(start) {

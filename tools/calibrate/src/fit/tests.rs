@@ -145,3 +145,31 @@ fn a_point_without_data_has_the_value_of_its_prior() {
     let deviation = 1e-4 * point.covariance[(place, place)].sqrt();
     assert!((deviation / (2e-3 * (1.0 - expected * expected).sqrt()) - 1.0).abs() < 0.1, "{deviation}");
 }
+
+/// A lag of the winding is its heat capacity or its thermometer, and a fit may end with the wrong one of them: with a capacity at its limit.
+#[test]
+fn a_fit_that_ends_at_a_limit_is_repeated_from_the_priors() {
+    let priors = format!("{PRIORS}\n\"thermal.C_w\" = 0.1\n\"thermal.R_wh\" = 0.2");
+    let mut experiment = testing::experiment(&priors, true);
+    let truth = preset(&experiment);
+    testing::read_of(&mut experiment, |setup| {
+        let additions = vec![testing::addition(setup, "winding_sensor_lag", 40.0)];
+        setup.change(&Hypothesis { declared: truth.clone(), additions }, 0)
+    });
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let own = experiment.priors.iter().position(|p| p.name == "thermal.C_w").unwrap();
+    for tau in [0.5, 2.0, 100.0] {
+        let mut start = setup.preset();
+        start.declared[own] = setup.declared[own].limits.1;
+        start.additions.push(testing::addition(&setup, "winding_sensor_lag", tau));
+        let plain = setup.fit(start.clone(), &[0]).unwrap();
+        assert!(!setup.declared[own].is_inside(plain.hypothesis.declared[own]), "{tau}: {}", plain.cost);
+        let found = setup.fit_addition(start, &[0]).unwrap();
+        let [capacity, lag] =
+            [found.hypothesis.declared[own], found.hypothesis.additions[0].numbers[0].value];
+        assert!(
+            (capacity / truth[own] - 1.0).abs() < 0.01 && (lag / 40.0 - 1.0).abs() < 0.01,
+            "{capacity}, {lag}"
+        );
+    }
+}

@@ -1,11 +1,26 @@
 //! Preferences between candidates that explain about the same: which of them is tested first, and which is accepted.
 
-use super::{ALIKE, Candidate};
+use super::{ALIKE, Candidate, NEAR};
 use crate::hypothesis::Addition;
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::temperatures;
 use physics::terms::{Driver, Port};
+
+/// Of candidates that explain as much as the best one, that which predicts the validation runs best comes first, if it predicts them better
+/// beyond doubt: their density does not depend on how many shapes could be fitted to the other runs.
+///
+/// *Source*: Geisser, Eddy, J. Am. Stat. Assoc. 74 (1979) 153-160.
+pub fn best_prediction_first(candidates: &[Candidate], order: &mut [usize]) {
+    let Some(best) = order.first().map(|k| &candidates[*k]) else { return };
+    let density = |c: &Candidate| c.delta_validation.unwrap_or(0.0);
+    let alike = order.iter().take_while(|k| best.sure() - candidates[**k].sure() < ALIKE).count();
+    let predicts = |k: &usize| density(&candidates[order[*k]]);
+    let first = (0..alike).max_by(|a, b| predicts(a).total_cmp(&predicts(b)));
+    if let Some(first) = first.filter(|k| predicts(k) > density(best) + NEAR) {
+        order[..=first].rotate_right(1);
+    }
+}
 
 /// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
 /// sensor error that depends on the motor, an effect at a node depends on the temperature of that node, and a driver that is measured is
@@ -125,6 +140,32 @@ mod tests {
         assert!(!states_less(&heat(Follows::Late(Driver::Current), 160.0), &named));
         assert!(!states_less(&of(law(Port::DragTorque, Follows::Driver(Driver::Current)), 250.0), &named));
         assert!(!states_less(&named, &over(Driver::Current, 160.0)));
+    }
+
+    #[test]
+    fn of_equal_candidates_the_best_prediction_comes_first() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let of = |sure, density| {
+            let mut own = candidate(&setup, law(Port::WindingHeat, Follows::Driver(Driver::Speed)), sure);
+            own.delta_validation = density;
+            own
+        };
+        let ordered = |all: &[Candidate]| {
+            let mut order: Vec<usize> = (0..all.len()).collect();
+            best_prediction_first(all, &mut order);
+            order
+        };
+        // The last one explains less.
+        let apart = 400.0 - 1.5 * ALIKE;
+        let all = |density| {
+            [of(400.0, Some(50.0)), of(399.0, Some(40.0)), of(398.0, density), of(apart, Some(900.0))]
+        };
+        assert_eq!(ordered(&all(Some(51.0 + NEAR))), [2, 0, 1, 3]);
+        // A difference that means nothing; no validation runs.
+        assert_eq!(ordered(&all(Some(49.0 + NEAR))), [0, 1, 2, 3]);
+        assert_eq!(ordered(&[of(400.0, None), of(399.0, None)]), [0, 1]);
+        assert!(ordered(&[]).is_empty());
     }
 
     #[test]

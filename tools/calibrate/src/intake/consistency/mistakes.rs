@@ -58,7 +58,7 @@ impl Mistake {
     /// Factor by which the data as they are have to deviate more. No effect makes an output respond before its cause, so that a lag of an
     /// input only has to account for more than it leaves.
     pub fn factor(&self) -> f64 {
-        if matches!(self, Mistake::Slow(..)) { 2.0 } else { FACTOR }
+        if self.is_partial() { 2.0 } else { FACTOR }
     }
 
     /// Whether it hardly changes the shapes: two thermometers of the motor exchanged, all temperatures in another unit, or an ambient

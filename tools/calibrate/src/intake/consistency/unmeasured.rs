@@ -58,41 +58,55 @@ fn without_sign(
         let readings = || judge.runs.iter().flat_map(|run| &experiment.runs[*run].table.columns[*k]);
         has_sign && readings().any(|x| *x > 0.0) && !readings().any(|x| *x < 0.0)
     };
-    let signed = |(column, by): (usize, Option<usize>)| -> Option<Changed> {
-        let mut data = experiment.clone();
-        let either = by.map(|_| [experiment, &turned(judge, experiment, column)].map(|e| cold(judge, e)));
-        let (mut whole, mut negative) = (0.0, 0.0);
-        for (n, run) in judge.runs.iter().enumerate() {
-            let columns = &mut data.runs[*run].table.columns;
-            for row in 0..columns[column].len() {
-                let is_negative = match (&either, by) {
-                    (Some([own, other]), Some(by)) => {
-                        let off = |p: &Predicted| (columns[by][row] - p[n][by - inputs][row]).abs();
-                        off(other) < off(own)
-                    }
-                    _ => predicted[n][column - inputs][row] < 0.0,
-                };
-                let square = columns[column][row].powi(2);
-                if square.is_finite() {
-                    whole += square;
-                    negative += if is_negative { square } else { 0.0 };
-                }
-                if is_negative {
-                    columns[column][row] *= -1.0;
-                }
-            }
-        }
-        if negative < SMALL * whole {
-            return None;
-        }
-        let shown = if by.is_some() { judge.predicted(&data) } else { predicted.clone() };
-        Some(Changed { score: 0.0, mistake: Mistake::Magnitude(column), data, shown })
+    let changed = |column, data: Experiment, shown| Changed {
+        score: 0.0,
+        mistake: Mistake::Magnitude(column),
+        data,
+        shown,
+    };
+    let output = |k: &usize| {
+        let is_negative = |n: usize, row: usize| predicted[n][*k][row] < 0.0;
+        let data = signed(judge, experiment, inputs + k, is_negative)?;
+        Some(changed(inputs + k, data, predicted.clone()))
+    };
+    let input = |column: usize, by: usize| {
+        let [own, other] = [experiment, &turned(judge, experiment, column)].map(|e| cold(judge, e));
+        let is_negative = |n: usize, row: usize| {
+            let reading = experiment.runs[judge.runs[n]].table.columns[inputs + by][row];
+            let off = |p: &Predicted| (reading - p[n][by][row]).abs();
+            off(&other) < off(&own)
+        };
+        let data = signed(judge, experiment, column, is_negative)?;
+        let shown = judge.predicted(&data);
+        Some(changed(column, data, shown))
     };
     let of_inputs = (0..inputs).filter(is_magnitude);
-    let of_inputs =
-        of_inputs.flat_map(|column| disagreeing.iter().map(move |by| (column, Some(inputs + by))));
-    let of_outputs = disagreeing.iter().map(|k| inputs + k).filter(is_magnitude).map(|column| (column, None));
-    of_inputs.chain(of_outputs).filter_map(signed).collect()
+    let of_inputs = of_inputs.flat_map(|column| disagreeing.iter().map(move |by| (column, *by)));
+    let of_outputs = disagreeing.iter().filter(|k| is_magnitude(&(inputs + **k))).filter_map(output);
+    of_inputs.filter_map(|(column, by)| input(column, by)).chain(of_outputs).collect()
+}
+
+/// The data with a negative sign in the rows that have it, given by the place of the run among the judge's and the row; `None` if these are
+/// hardly any.
+fn signed(
+    judge: &Judge,
+    experiment: &Experiment,
+    column: usize,
+    is_negative: impl Fn(usize, usize) -> bool,
+) -> Option<Experiment> {
+    let mut data = experiment.clone();
+    let (mut whole, mut negative) = (0.0, 0.0);
+    for (n, run) in judge.runs.iter().enumerate() {
+        for (row, x) in data.runs[*run].table.columns[column].iter_mut().enumerate() {
+            let square = if x.is_finite() { *x * *x } else { 0.0 };
+            whole += square;
+            if is_negative(n, row) {
+                negative += square;
+                *x = -*x;
+            }
+        }
+    }
+    (negative >= SMALL * whole).then_some(data)
 }
 
 /// Prediction of a motor that hardly warms up: a voltage with the wrong sign would overheat it, so that it cannot be simulated.
@@ -110,8 +124,9 @@ fn cold(judge: &Judge, experiment: &Experiment) -> Predicted {
 /// The data with the opposite sign of a column.
 fn turned(judge: &Judge, experiment: &Experiment, column: usize) -> Experiment {
     let mut turned = experiment.clone();
-    let columns = judge.runs.iter().map(|run| (*run, column));
-    columns.for_each(|(run, k)| turned.runs[run].table.columns[k].iter_mut().for_each(|x| *x = -*x));
+    for run in judge.runs {
+        turned.runs[*run].table.columns[column].iter_mut().for_each(|x| *x = -*x);
+    }
     turned
 }
 
