@@ -26,7 +26,8 @@ def test_a_set_is_right(number, kind, program, tmp_path):
 
 
 def test_an_effect_that_predicts_worse_alone_is_found_with_a_second_one(program, tmp_path):
-    """The lag of the winding's sensor explains most; beside the other differences of this specimen it does not predict better alone."""
+    """The lag of the winding's sensor explains most; beside the other differences of this specimen, convection and end winding, it does
+    not predict better alone. The lag and the heat capacity of the winding can be exchanged, and a fit may end with the wrong one."""
     s = make.made(35227, 21)
     assert s.pieces["sensor_lag"] > 10.0
     write_set(s, tmp_path)
@@ -34,4 +35,4 @@ def test_an_effect_that_predicts_worse_alone_is_found_with_a_second_one(program,
     report = json.loads((tmp_path / "result" / "report.json").read_text(encoding="utf-8"))
     assert "winding_sensor_lag" in [effect["id"] for effect in report["effects"]]
     for channel, error in report["error"]["test"].items():
-        assert error["after"] < 1.02 * error["refit"], channel
+        assert error["after"] < (0.5 if "temperature" in channel else 1.02) * error["refit"], channel
