@@ -7,12 +7,15 @@ use crate::outcome::Follows;
 use crate::search::temperatures;
 use physics::terms::{Driver, Port};
 
-/// Of candidates that explain as much as the best one, that which predicts the validation runs best comes first, if it predicts them better
-/// beyond doubt: their density does not depend on how many shapes could be fitted to the other runs.
+/// Of candidates that explain as much as a law, that which predicts the validation runs best comes first, if it predicts them better
+/// beyond doubt: their density does not depend on how many shapes could be fitted to the other runs. A listed effect has one shape.
 ///
 /// *Source*: Geisser, Eddy, J. Am. Stat. Assoc. 74 (1979) 153-160.
 pub fn best_prediction_first(candidates: &[Candidate], order: &mut [usize]) {
     let Some(best) = order.first().map(|k| &candidates[*k]) else { return };
+    if best.addition().is_listed() {
+        return;
+    }
     let density = |c: &Candidate| c.delta_validation.unwrap_or(0.0);
     let alike = order.iter().take_while(|k| best.sure() - candidates[**k].sure() < ALIKE).count();
     let predicts = |k: &usize| density(&candidates[order[*k]]);
@@ -166,6 +169,9 @@ mod tests {
         assert_eq!(ordered(&all(Some(49.0 + NEAR))), [0, 1, 2, 3]);
         assert_eq!(ordered(&[of(400.0, None), of(399.0, None)]), [0, 1]);
         assert!(ordered(&[]).is_empty());
+        // A listed effect that explains most stays where it is.
+        let listed = candidate(&setup, testing::addition(&setup, "windage", 1e-8), 401.0);
+        assert_eq!(ordered(&[listed, of(400.0, Some(900.0))]), [0, 1]);
     }
 
     #[test]
