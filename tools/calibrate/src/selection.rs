@@ -25,7 +25,9 @@ use crate::setup::{BLOCKS, Setup};
 pub use companion::{beside, companion};
 use gate::{Judged, gate, implausible};
 pub use gate::{asked, predicts_where_it_acts};
-use preference::{best_prediction_first, is_element_of, is_part, law_elsewhere, order_by_likelihood};
+use preference::{
+    best_prediction_first, is_element_of, is_part, law_elsewhere, one_driver_first, order_by_likelihood,
+};
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
 /// 3.2.
@@ -278,6 +280,7 @@ fn among<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -
     // Preferred are a listed effect to a law that explains little more, and a law of one driver to one of two or with an additional state.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
     best_prediction_first(&candidates, &mut order);
+    one_driver_first(&candidates, &mut order);
     if let Some(best) = order.first().map(|k| &candidates[*k]) {
         // A second driver is a further addition: it has to explain as much as one, and not only what is left by nearly the same law.
         let is_enough = |c: &Candidate| {

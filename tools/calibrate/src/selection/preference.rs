@@ -1,6 +1,6 @@
 //! Preferences between candidates that explain about the same: which of them is tested first, and which is accepted.
 
-use super::{ALIKE, Candidate, NEAR};
+use super::{ALIKE, Candidate, NEAR, asked};
 use crate::hypothesis::Addition;
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
@@ -16,13 +16,34 @@ pub fn best_prediction_first(candidates: &[Candidate], order: &mut [usize]) {
     if best.addition().is_listed() {
         return;
     }
-    let density = |c: &Candidate| c.delta_validation.unwrap_or(0.0);
     let alike = order.iter().take_while(|k| best.sure() - candidates[**k].sure() < ALIKE).count();
     let predicts = |k: &usize| density(&candidates[order[*k]]);
     let first = (0..alike).max_by(|a, b| predicts(a).total_cmp(&predicts(b)));
     if let Some(first) = first.filter(|k| predicts(k) > density(best) + NEAR) {
         order[..=first].rotate_right(1);
     }
+}
+
+/// A law of two drivers gives way to the best candidate of at most one driver, at any port, that leaves less than an effect of what the
+/// law explains, and does not predict the validation runs worse: the second driver is a further addition.
+pub fn one_driver_first(candidates: &[Candidate], order: &mut [usize]) {
+    let Some(best) = order.first().map(|k| &candidates[*k]) else { return };
+    if !matches!(best.addition().follows, Follows::Both(..)) {
+        return;
+    }
+    let is_enough = |k: &usize| {
+        let own = &candidates[*k];
+        let left = best.sure() - own.sure();
+        own.is_simple() && density(own) > density(best) - NEAR && left < asked(&own.point, &best.point)
+    };
+    if let Some(first) = order.iter().position(is_enough) {
+        order[..=first].rotate_right(1);
+    }
+}
+
+/// Decrease of -2 ln p of the validation runs.
+fn density(candidate: &Candidate) -> f64 {
+    candidate.delta_validation.unwrap_or(0.0)
 }
 
 /// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
@@ -172,6 +193,30 @@ mod tests {
         // A listed effect that explains most stays where it is.
         let listed = candidate(&setup, testing::addition(&setup, "windage", 1e-8), 401.0);
         assert_eq!(ordered(&[listed, of(400.0, Some(900.0))]), [0, 1]);
+    }
+
+    #[test]
+    fn a_law_of_two_drivers_gives_way_to_one_of_one() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let of = |port, follows, sure, density| {
+            let mut own = candidate(&setup, law(port, follows), sure);
+            own.delta_validation = Some(density);
+            own
+        };
+        let both =
+            |sure| of(Port::AmbientSensor, Follows::Both(Driver::FanCommand, Driver::Speed), sure, 90.0);
+        let one = |sure, density| of(Port::FanFlow, Follows::Driver(Driver::FanCommand), sure, density);
+        let ordered = |all: &[Candidate]| {
+            let mut order: Vec<usize> = (0..all.len()).collect();
+            one_driver_first(all, &mut order);
+            order
+        };
+        assert_eq!(ordered(&[both(480.0), both(470.0), one(400.0, 88.0)]), [2, 0, 1]);
+        // It explains less by an effect; it predicts worse; nothing gives way to it.
+        assert_eq!(ordered(&[both(520.0), one(400.0, 88.0)]), [0, 1]);
+        assert_eq!(ordered(&[both(480.0), one(400.0, 80.0)]), [0, 1]);
+        assert_eq!(ordered(&[one(480.0, 0.0), one(470.0, 88.0)]), [0, 1]);
     }
 
     #[test]
