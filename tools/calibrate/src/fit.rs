@@ -43,6 +43,7 @@ const WAY: f64 = 1e-4;
 /// Changes of a parameter within which its sensitivities are reused: logarithm or relative value, and prior deviations. Numerical: they
 /// are updated if a step with them does not reduce the cost.
 const REUSED: (f64, f64) = (0.05, 0.3);
+
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
 pub struct Fitted {

@@ -22,7 +22,7 @@ use crate::solver::stabilized::States;
 use crate::terms::Drivers;
 use declare::Group;
 
-/// A step fails if a substep longer than this fraction of it is rejected for a shorter one.
+/// A step fails if a rejected substep would have to be shorter than this fraction of it.
 const LEAST_SHARE: f64 = 1e-9;
 /// Largest change of the ambient temperature within a substep, K; the cooling has its midpoint value.
 const MOVE: f64 = 0.25;

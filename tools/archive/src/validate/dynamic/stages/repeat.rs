@@ -76,7 +76,7 @@ pub(super) fn instances(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
 
 /// Bytes of this process in memory that no file holds, on Linux. Counted page by page: the counters in `statm` are late by up to 32 pages
 /// for each processor, as much as a small leak, and files come and go.
-fn resident() -> Option<f64> {
+fn anonymous() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/smaps_rollup").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("Anonymous:"))?;
     let kibibytes: f64 = line.split_ascii_whitespace().next()?.parse().ok()?;
@@ -94,13 +94,13 @@ fn growth(
     let mut least = f64::INFINITY;
     // The first round fills caches and pools.
     for n in 0..4 {
-        let Some(before) = resident() else { return Ok(None) };
+        let Some(before) = anonymous() else { return Ok(None) };
         for _ in 0..round {
             if !piece()? || started.elapsed() > PATIENCE {
                 return Ok(None);
             }
         }
-        let Some(after) = resident() else { return Ok(None) };
+        let Some(after) = anonymous() else { return Ok(None) };
         if n > 0 {
             least = least.min((after - before) / round as f64);
             if least <= most {
