@@ -86,7 +86,9 @@ impl Factor {
             // The derivative of a root is infinite there; its factor at the ports is zero.
             D::from(0.0)
         } else {
-            base.powf(self.exponent)
+            // The derivative from the value: higher ones, which a dual number computes too, overflow at a lag that has decayed.
+            let (x, value) = (base.re(), base.re().powf(self.exponent));
+            (base - D::from(x)) * (self.exponent * value / x) + value
         }
     }
 }

@@ -187,3 +187,25 @@ fn names_lead_back() {
     assert!(Driver::ALL.iter().all(|driver| Driver::by_name(driver.name()) == Some(*driver)));
     assert_eq!((Port::ALL.len(), Port::by_name("nothing")), (14, None));
 }
+
+/// A lag of a fan that stands still decays to any number; the law and its derivative are those of the formula down to the smallest.
+#[test]
+fn a_power_of_a_lag_that_has_decayed_has_a_derivative() {
+    for exponent in [0.1, 0.659, 1.0, 2.5, 5.0] {
+        for fan in [1e-3, 1e-60, 1.9e-132, 3e-308, f64::MIN_POSITIVE * f64::EPSILON] {
+            let term = product(2.0, [factor(Driver::FanCommand, 1.0, 0.0, exponent), None, None]);
+            let at = Drivers { fan_command: fan, ..AT };
+            let dual = term.along(&at, Some((Driver::FanCommand, Dual64::from(fan).derivative())));
+            let (value, slope) = (2.0 * fan.powf(exponent), 2.0 * exponent * fan.powf(exponent - 1.0));
+            assert_eq!(dual.re, value, "{exponent} {fan}");
+            // A value that underflows has the derivative 0.
+            let off = (dual.eps - slope).abs();
+            assert!(
+                off <= 1e-9 * slope || (value == 0.0 && off < 1e-100),
+                "{exponent} {fan}: {dual} {slope}"
+            );
+            let other = term.along(&at, Some((Driver::WindingTemperature, Dual64::from(350.0).derivative())));
+            assert_eq!((other.re, other.eps), (value, 0.0), "{exponent} {fan}");
+        }
+    }
+}
