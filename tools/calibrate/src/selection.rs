@@ -171,6 +171,16 @@ impl<'a> Round<'a> {
         shares(&all.collect::<Vec<_>>())(delta)
     }
 
+    /// Why a candidate without an excuse was accepted.
+    fn reason_of(&self, taken: &Candidate) -> &'static str {
+        let is_most = self.candidates.iter().all(|c| c.refused.is_some() || c.sure() <= taken.sure());
+        if is_most {
+            "explains most of all, and passes the gate"
+        } else {
+            "is preferred to what explains more: it states more, predicts better, or explains as much with what is beside it; it passes the gate"
+        }
+    }
+
     /// Candidate table of the round for the report.
     pub fn candidate_table(&self, round: usize) -> Vec<Evidence> {
         let best = self.winner().map(|c| c.name.clone());
@@ -192,9 +202,7 @@ impl<'a> Round<'a> {
                     format!("explains as much as {best}: this data cannot tell them apart")
                 }
                 (Some(refused), _) => refused.clone(),
-                (None, _) if self.taken == Some(k) => {
-                    self.excuse.unwrap_or("explains most of all, and passes the gate").to_string()
-                }
+                (None, _) if self.taken == Some(k) => self.excuse.unwrap_or(self.reason_of(c)).to_string(),
                 (None, Some(best)) if self.winner().is_some_and(|taken| taken.sure() < c.sure()) => {
                     format!("{best} is preferred: it states more, predicts better, or explains as much with what is beside it")
                 }

@@ -107,3 +107,21 @@ fn a_failed_candidate_is_listed() {
         !candidate_table[0].accepted && candidate_table[0].reason.ends_with("the step size is too small")
     );
 }
+
+/// The reason of an accepted candidate says so if another one explains more; one that was refused does not count.
+#[test]
+fn a_preferred_candidate_does_not_explain_most() {
+    let experiment = crate::testing::experiment(crate::testing::PRIORS, true);
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let reason = |refused: Option<String>| {
+        let law = |sure| {
+            candidate(&setup, crate::testing::law(Port::DragTorque, Follows::Driver(Driver::Speed)), sure)
+        };
+        let candidates = vec![Candidate { refused, ..law(400.0) }, law(390.0)];
+        let (alike, failed) = (Vec::new(), Vec::new());
+        let round = Round { candidates, taken: Some(1), excuse: None, alike, part: None, failed };
+        round.candidate_table(1).swap_remove(1).reason
+    };
+    assert!(reason(None).starts_with("is preferred to what explains more"), "{}", reason(None));
+    assert!(reason(Some("is at a limit".to_string())).starts_with("explains most of all"));
+}
