@@ -63,6 +63,30 @@ def spikes(column, size, count):
     return change
 
 
+def coupled(column, tau, files=FILES):
+    """What an instrument with AC coupling shows: the readings without their first-order lag."""
+
+    def change(name, table):
+        if name in files:
+            removed, time, own = 0.0, table["time_s"], table[column]
+            for row in range(len(own)):
+                step = time[row] - time[row - 1] if row else 0.0
+                own[row] -= removed
+                removed += own[row] * (1.0 - np.exp(-step / tau))
+
+    return change
+
+
+def stuck(column, size, files=FILES):
+    """A bit of the converter that is always 1."""
+
+    def change(name, table):
+        if name in files:
+            table[column] += size * (1.0 - np.floor(table[column] / size) % 2)
+
+    return change
+
+
 def both(*changes):
     def change(name, table):
         for one in changes:
@@ -85,6 +109,8 @@ UNUSABLE = {
     "ambient in K": (scaled(AMBIENT, 1.0, 273.15), AMBIENT),
     "ambient and housing exchanged": (swapped(AMBIENT, HOUSING), AMBIENT),
     "time in ms": (scaled("time_s", 1e3), "time_s"),
+    "torque behind AC coupling of 210 s": (coupled(TORQUE, 210.0), TORQUE),
+    "current behind AC coupling of 17 s in one run": (coupled(CURRENT, 17.0, files=FILES[:1]), CURRENT),
 }
 ASIDE = {
     "housing open at -61 degC": (scaled(HOUSING, 0.0, -61.0), HOUSING),
@@ -93,6 +119,7 @@ ASIDE = {
     "housing comes off": (part(HOUSING, off, "run-1.csv", 0.55), HOUSING),
     "torque sensor dead in one run": (part(TORQUE, noisy(0.0, 1e-3), "run-2.csv", 0.0), TORQUE),
     "winding with spikes": (spikes(WINDING, 37.0, 25), WINDING),
+    "housing with a stuck bit": (stuck(HOUSING, 9.0), HOUSING),
 }
 # Outputs that no run has, each and two at once: every part of the search and of the report has to do without them.
 ABSENT = {

@@ -59,6 +59,13 @@ pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> V
     notes
 }
 
+/// A number without the rounding error of a conversion between units.
+pub fn converted(x: f64) -> f64 {
+    /// Digits after the decimal point. Definition: more than any sensor has.
+    const PLACES: f64 = 1e6;
+    (x * PLACES).round() / PLACES
+}
+
 /// A number rounded to three significant digits.
 pub fn digits(x: f64) -> String {
     if x == 0.0 {

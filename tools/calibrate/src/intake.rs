@@ -1,7 +1,7 @@
 //! Plausibility checks of the measured data, before any search for effects.
 //!
 //! Three checks, in this order: there are enough readings ([`enough`]); units, signs and columns agree with the model
-//! ([`consistency`]); each sensor works ([`signals`] from its own readings, [`response`] from its response to the inputs). A sensor that
+//! ([`consistency`]); each sensor works ([`signals`] and [`converter`] from its own readings, [`response`] from its response to the inputs). A sensor that
 //! fails is set aside with a note, in the whole run or in part of it. Data that contradict the model, or runs without remaining readings,
 //! are [`Unusable`], and no search is made.
 //!
@@ -10,6 +10,7 @@
 mod clipped;
 mod clocks;
 mod consistency;
+mod converter;
 mod dead_torque;
 mod departures;
 mod pulses;
@@ -17,6 +18,7 @@ mod response;
 mod signals;
 
 use crate::CalibrateError;
+use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::{CELSIUS, Channel, Experiment, Role, Run, Start};
 use crate::fit::is_wide;
@@ -98,6 +100,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     if let Some(unusable) = outside_limits(experiment).or_else(|| clipped::input(experiment)) {
         return Err(Refusal::Unusable(unusable));
     }
+    converter::set_aside(experiment);
     let spikes = signals::set_aside(experiment);
     dead_torque::set_aside(experiment, preset)?;
     let references = consistency::contradiction(experiment, preset, deadline)?.map_err(Refusal::Unusable)?;
@@ -179,8 +182,12 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
                 return Some(Unusable {
                     channel: channel.column.to_string(),
                     reason: format!(
-                        "{} reads {reading} in {}; its limits are {least} and {most}",
-                        channel.column, run.file
+                        "{} reads {} in {}; its limits are {} and {}",
+                        channel.column,
+                        converted(reading),
+                        run.file,
+                        converted(least),
+                        converted(most)
                     ),
                     suggestion: format!(
                         "check the unit of the column; [columns] converts other units, such as {}",
@@ -190,8 +197,11 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
             }
             column.iter_mut().filter(|x| beyond(x)).for_each(|x| *x = f64::NAN);
             experiment.notes.push(format!(
-                "{}: {count} readings of {} outside {least} ... {most} are set aside",
-                run.file, channel.column
+                "{}: {count} readings of {} outside {} ... {} are set aside",
+                run.file,
+                channel.column,
+                converted(least),
+                converted(most)
             ));
         }
     }

@@ -5,6 +5,7 @@ use super::columns::{Column, TIME};
 use super::stamp::{DAY, Stamp};
 use super::units::FileUnit;
 use crate::CalibrateError;
+use crate::comparison::converted;
 use delimited::Row;
 use std::path::Path;
 
@@ -143,11 +144,15 @@ impl Table {
                 let column = &mut self.columns[k];
                 let count = column.iter().filter(|v| **v == end).count();
                 column.iter_mut().filter(|v| **v == end).for_each(|v| *v = f64::NAN);
-                self.notes.push(format!(
-                    "{file}: {count} readings of {} stand at {}, where the sensor ends, and are set aside as clipped",
-                    wanted[k].column,
-                    end - wanted[k].offset
-                ));
+                // Below absolute zero a reading is a code for a missing one.
+                let why = if wanted[k].is_temperature() && end < 0.0 {
+                    "which is no temperature, and are set aside"
+                } else {
+                    "where the sensor ends, and are set aside as clipped"
+                };
+                let at = converted(end - wanted[k].offset);
+                self.notes
+                    .push(format!("{file}: {count} readings of {} stand at {at}, {why}", wanted[k].column));
             }
         }
     }

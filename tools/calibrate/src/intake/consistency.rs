@@ -14,7 +14,7 @@
 //! hypothesis that changes the data: another unit, in either direction; a power of ten; a wrong sign; two columns exchanged; a
 //! temperature rise over ambient recorded instead of a temperature; an ambient sensor heated by the motor; an input that was not
 //! measured, with values implied by an output; a magnitude recorded instead of a value with its sign; an input recorded behind a first-order
-//! lag; an arbitrary factor; a wrong unit of time, or in one file another interval. The score of a hypothesis is the sum of ln q_k. Hypotheses on outputs need no simulation; those on inputs are simulated only if some q is large. The best ones
+//! lag; a load recorded behind AC coupling; an arbitrary factor; a wrong unit of time, or in one file another interval. The score of a hypothesis is the sum of ln q_k. Hypotheses on outputs need no simulation; those on inputs are simulated only if some q is large. The best ones
 //! are confirmed: the declared parameters are fitted to the data as they are and as changed by the hypothesis, with a
 //! structure error of [`STRUCTURE`] of each output's size and [`SAMPLES`] independent readings per run as the noise. The data are
 //! contradictory only if the minimum of the former is [`FACTOR`] times that of the latter (2 for a lag of an input, since no effect makes an

@@ -38,7 +38,7 @@ pub(super) const LEAST_JUMP: f64 = 2.5;
 /// Fraction of a channel's changes that are not usual. Tuned: a run has fewer jumps.
 const RARE: f64 = 0.005;
 /// Fewest equal readings of a drop-out. Derivation: two readings of a fine sensor may be equal by chance, three are not.
-const REPEATED: usize = 3;
+pub(super) const REPEATED: usize = 3;
 /// Least change of an input, in SI units. Numerical: rounding.
 const ROUNDING: f64 = 1e-9;
 /// Standard deviation of a reading from the line between its neighbours, relative to that of a reading. Derivation: the variances of the

@@ -13,8 +13,8 @@ pub(super) const SPEED: usize = 1;
 const AMBIENT: usize = 3;
 pub(super) const VOLTAGE: usize = 4;
 pub(super) const TORQUE: usize = 5;
-const WINDING: usize = 6;
-const HOUSING: usize = 7;
+pub(super) const WINDING: usize = 6;
+pub(super) const HOUSING: usize = 7;
 
 /// One run of 1200 rows of 3 s with steps of current, speed and fan; the readings are those of a specimen that differs from the preset.
 pub(super) fn experiment(seed: u64) -> Experiment {

@@ -28,6 +28,8 @@ pub enum Mistake {
     Magnitude(usize),
     /// An input was recorded behind a first-order lag with this time constant, s.
     Slow(usize, f64),
+    /// A load was recorded behind AC coupling: what is left of it without a first-order lag with this time constant, s.
+    Coupled(usize, f64),
     /// Times are multiplied by a factor: the unit, or none if the interval between the rows is another one.
     Time(f64, Option<&'static str>),
 }
@@ -40,7 +42,7 @@ impl Mistake {
             Mistake::Swap(a, b) => vec![*a, *b],
             Mistake::Rise(k) | Mistake::Heated(k) => vec![*k],
             Mistake::Unmeasured { column, by } => vec![*column, *by],
-            Mistake::Magnitude(k) | Mistake::Slow(k, _) => vec![*k],
+            Mistake::Magnitude(k) | Mistake::Slow(k, _) | Mistake::Coupled(k, _) => vec![*k],
             Mistake::Time(..) => Vec::new(),
         }
     }
@@ -123,6 +125,9 @@ impl Mistake {
                 Mistake::Slow(k, tau) => {
                     table.columns[*k] = without_lag(&table.time, &table.columns[*k], *tau)
                 }
+                Mistake::Coupled(k, tau) => {
+                    table.columns[*k] = without_coupling(&table.time, &table.columns[*k], *tau)
+                }
                 Mistake::Time(factor, _) => {
                     let first = table.time[0];
                     table.time.iter_mut().for_each(|t| *t = first + factor * (*t - first));
@@ -197,6 +202,14 @@ impl Mistake {
                 );
                 (name(*k), reason, format!("record {} without averaging", name(*k)))
             }
+            Mistake::Coupled(k, tau) => {
+                let reason = format!(
+                    "{} in {files} contradicts the model, which it would agree with if a high-pass filter (AC coupling) of about {tau:.1} s had \
+                     removed its mean",
+                    name(*k)
+                );
+                (name(*k), reason, format!("record {} with DC coupling", name(*k)))
+            }
             Mistake::Time(factor, None) => {
                 let reason = format!(
                     "time_s in {files} contradicts the model and the other runs, which times multiplied by {factor:.3} would agree with"
@@ -228,6 +241,12 @@ const SAME: f64 = 1e-3;
 
 /// Longest lag of an input that is tried, as a fraction of the run. Numerical: the readings of a longer one are nearly constant.
 const SLOWEST: f64 = 0.1;
+
+/// Least time constant of AC coupling that is tried, in rows. Numerical: a shorter one leaves a reading or none of a change.
+const SHORTEST: f64 = 0.25;
+
+/// Ratio of two time constants of AC coupling that are tried. Numerical: what is added to the readings is then known to 9 %.
+const FINE: f64 = 1.19;
 
 /// Minutes in a radian per second. Definition: 60 s / 2 pi.
 const TURNS: f64 = 30.0 / std::f64::consts::PI;
@@ -313,6 +332,20 @@ fn without_lag(time: &[f64], column: &[f64], tau: f64) -> Vec<f64> {
     (0..column.len()).map(of).collect()
 }
 
+/// What a column was before AC coupling, if it was at rest before the first row: x = y + z, dz/dt = y / tau. Blank readings stay blank.
+fn without_coupling(time: &[f64], column: &[f64], tau: f64) -> Vec<f64> {
+    let (mut removed, mut last) = (0.0, None);
+    let of = |(t, y): (&f64, &f64)| {
+        if y.is_finite() {
+            let area = last.map_or(0.0, |(before, from): (f64, f64)| 0.5 * (before + y) * (t - from));
+            removed += area / tau;
+            last = Some((*y, *t));
+        }
+        y + removed
+    };
+    time.iter().zip(column).map(of).collect()
+}
+
 /// All mistakes that involve these columns only.
 pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let all = channels(experiment);
@@ -336,14 +369,17 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
             found.push(if channel.input.is_some() { Mistake::Heated(k) } else { Mistake::Rise(k) });
         }
         found.extend((0..k).map(|other| Mistake::Swap(other, k)));
-        let is_load = k < experiment.inputs.len() && !channel.is_temperature() && channel.unit != Unit::One;
+        let is_load = !channel.is_temperature() && !matches!(channel.unit, Unit::One | Unit::Pascal);
         if let Some(time) = longest.filter(|_| is_load) {
-            let (first, last) = (time[0], time[time.len() - 1]);
-            let row = (last - first) / time.len() as f64;
-            let taus = std::iter::successors(Some(row), |tau| Some(2.0 * tau));
-            found.extend(
-                taus.take_while(|tau| *tau < SLOWEST * (last - first)).map(|tau| Mistake::Slow(k, tau)),
-            );
+            let whole = time[time.len() - 1] - time[0];
+            let row = whole / time.len() as f64;
+            let taus = |from: f64, by: f64, to: f64| {
+                std::iter::successors(Some(from), move |tau| Some(by * tau)).take_while(move |tau| *tau < to)
+            };
+            if k < experiment.inputs.len() {
+                found.extend(taus(row, 2.0, SLOWEST * whole).map(|tau| Mistake::Slow(k, tau)));
+            }
+            found.extend(taus(SHORTEST * row, FINE, whole).map(|tau| Mistake::Coupled(k, tau)));
         }
         if !quantities.contains(&channel.unit) {
             quantities.push(channel.unit);

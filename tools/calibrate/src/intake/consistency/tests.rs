@@ -1,4 +1,4 @@
-//! Loads recorded without their sign or behind an average, and a file with another interval between its rows.
+//! Loads recorded without their sign, behind an average or AC coupling, and a file with another interval between its rows.
 
 use crate::experiment::Experiment;
 use crate::intake::tests::{
@@ -57,6 +57,45 @@ fn an_averaged_input_is_unusable() {
         }
     });
     assert_eq!(unusable(&mut ramps), None, "{:?}", ramps.notes);
+}
+
+/// What is left of a load without its first-order lag.
+fn coupled(experiment: &mut Experiment, k: usize, tau: f64) {
+    let mut removed = 0.0;
+    for x in column(experiment, k) {
+        let own = *x - removed;
+        removed += own * (1.0 - (-3.0f64 / tau).exp());
+        *x = own;
+    }
+}
+
+/// A load behind AC coupling is named with the time constant, an input as well as an output; one that alternates about zero is used.
+#[test]
+fn an_ac_coupled_load_is_unusable() {
+    for (k, channel, tau) in [
+        (CURRENT, "current_A", 30.0),
+        (SPEED, "speed_rad_per_s", 90.0),
+        (TORQUE, "shaft_torque_Nm", 12.0),
+        (TORQUE, "shaft_torque_Nm", 300.0),
+        (VOLTAGE, "voltage_V", 60.0),
+    ] {
+        let mut behind = experiment(37);
+        coupled(&mut behind, k, tau);
+        let reason = reason(&mut behind);
+        assert!(reason.starts_with(channel) && reason.contains("AC coupling) of about"), "{tau}: {reason}");
+        let found = reason.split("of about ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
+        let found: f64 = found.unwrap();
+        assert!((found / tau).ln().abs() < 0.3, "{tau}: {reason}");
+    }
+    let mut alternating = with_inputs(38, |columns| {
+        for k in [CURRENT, SPEED] {
+            columns[k]
+                .iter_mut()
+                .enumerate()
+                .for_each(|(row, x)| *x = [4.0, -4.0][row / 20 % 2] * [1.0, 60.0][k]);
+        }
+    });
+    assert_eq!(unusable(&mut alternating), None, "{:?}", alternating.notes);
 }
 
 /// One of three files has another interval between its rows than its times state; in all of them it is another motor.
