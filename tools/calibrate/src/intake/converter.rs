@@ -135,7 +135,7 @@ mod tests {
     /// At one reading only, which the winding of this bench passes just after a step of the load.
     const ONE: [(&str, Fault); 2] = [
         ("range switched at 44 degC", |x| if x > 317.15 { x + 0.1 * (x - 273.15) } else { x }),
-        ("missing codes", |x| if (302.0..306.0).contains(&x) { 302.0 } else { x }),
+        ("missing codes", |x| if (316.0..320.0).contains(&x) { 316.0 } else { x }),
     ];
 
     #[test]
