@@ -46,7 +46,11 @@ impl<'a> Search<'a> {
                 continue;
             }
             match self.look_on() {
-                Ok(scored) => self.scored.push(scored),
+                Ok(mut scored) => {
+                    let accepted: Vec<&Candidate> = self.rounds.iter().filter_map(Round::winner).collect();
+                    scored.retain(|s| !is_another_form(s, &accepted));
+                    self.scored.push(scored);
+                }
                 Err(e) => {
                     self.notes
                         .push(format!("beyond what was found nothing further could be looked for: {e}"));
@@ -261,5 +265,49 @@ impl<'a> Search<'a> {
     fn astray(&self) -> bool {
         let declared = self.setup.declared.iter().zip(&self.first.fitted.hypothesis.declared);
         declared.into_iter().any(|(d, value)| d.astray(*value))
+    }
+}
+
+/// Whether a candidate is a law over the driver of an accepted listed effect, at its port, that adds little to what the effect explains:
+/// then it is another form of the effect, as the structure error leaves one, and no second effect.
+fn is_another_form(scored: &Scored, accepted: &[&Candidate]) -> bool {
+    let same = |a: &Addition| a.is_listed() && (a.port, a.follows) == (scored.port, scored.follows);
+    let adds_little = |c: &Candidate| scored.sure() < (1.0 - NEARLY) * c.sure();
+    !scored.listed && accepted.iter().any(|c| same(c.addition()) && adds_little(c))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::setup::Setup;
+    use crate::testing;
+    use physics::terms::{Driver, Port};
+
+    #[test]
+    fn a_law_that_adds_little_to_a_listed_effect_is_another_form_of_it() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let windage = testing::candidate(&setup, testing::addition(&setup, "windage", 1e-8), 3000.0);
+        let law = testing::law(windage.addition().port, windage.addition().follows);
+        let of = |addition: &Addition, evidence: f64, listed: bool| Scored {
+            addition: Some(addition.clone()),
+            name: String::new(),
+            port: addition.port,
+            follows: addition.follows,
+            listed,
+            evidence,
+            raw: 2.0 * evidence,
+            shape: Vec::new(),
+        };
+        assert!(is_another_form(&of(&law, 150.0, false), &[&windage]));
+        // It explains more than structure error leaves; another driver, another port; a listed effect; beside a law.
+        assert!(!is_another_form(&of(&law, 350.0, false), &[&windage]));
+        let over_current = testing::law(law.port, Follows::Driver(Driver::Current));
+        let elsewhere = testing::law(Port::HousingHeat, law.follows);
+        assert!(!is_another_form(&of(&over_current, 150.0, false), &[&windage]));
+        assert!(!is_another_form(&of(&elsewhere, 150.0, false), &[&windage]));
+        assert!(!is_another_form(&of(&law, 150.0, true), &[&windage]));
+        let first = testing::candidate(&setup, law.clone(), 3000.0);
+        assert!(!is_another_form(&of(&law, 150.0, false), &[&first]));
     }
 }
