@@ -1,9 +1,9 @@
 //! Plausibility checks of the measured data, before any search for effects.
 //!
 //! Three checks, in this order: there are enough readings ([`enough`]); units, signs and columns agree with the model
-//! ([`consistency`]); each sensor works ([`signals`] and [`converter`] from its own readings, [`response`] from its response to the inputs). A sensor that
-//! fails is set aside with a note, in the whole run or in part of it. Data that contradict the model, or runs without remaining readings,
-//! are [`Unusable`], and no search is made.
+//! ([`consistency`]); each sensor works ([`signals`] and [`converter`] from its own readings, [`response`] from its response to the
+//! inputs). A sensor that fails is set aside with a note, in the whole run or in part of it. Data that contradict the model, or runs
+//! without remaining readings, are [`Unusable`], and no search is made.
 //!
 //! The model is that of the preset, unfitted; the checks therefore allow for all parameter values within the priors.
 
