@@ -399,6 +399,13 @@ pub fn mean_square(experiment: &Experiment, runs: &[usize], output: usize) -> (f
     (sum / count.max(1) as f64, count)
 }
 
+/// Difference of the greatest and the least number; 0 without any.
+fn range(values: impl Iterator<Item = f64>) -> f64 {
+    let ends = values.filter(|x| x.is_finite());
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    (high - low).max(0.0)
+}
+
 /// Sorted copy of the finite values.
 fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut all: Vec<f64> = values.filter(|x| x.is_finite()).collect();

@@ -97,6 +97,9 @@ impl Candidate<'_> {
     }
 }
 
+/// Why a candidate comes before one that explains more.
+const PREFERENCE: &str = "it states more, predicts better, or explains as much with what is beside it";
+
 /// Result of one round of the selection.
 pub struct Round<'a> {
     /// All fitted candidates, best first.
@@ -172,12 +175,12 @@ impl<'a> Round<'a> {
     }
 
     /// Why a candidate without an excuse was accepted.
-    fn reason_of(&self, taken: &Candidate) -> &'static str {
+    fn reason_of(&self, taken: &Candidate) -> String {
         let is_most = self.candidates.iter().all(|c| c.refused.is_some() || c.sure() <= taken.sure());
         if is_most {
-            "explains most of all, and passes the gate"
+            "explains most of all, and passes the gate".to_string()
         } else {
-            "is preferred to what explains more: it states more, predicts better, or explains as much with what is beside it; it passes the gate"
+            format!("is preferred to what explains more: {PREFERENCE}; it passes the gate")
         }
     }
 
@@ -202,9 +205,11 @@ impl<'a> Round<'a> {
                     format!("explains as much as {best}: this data cannot tell them apart")
                 }
                 (Some(refused), _) => refused.clone(),
-                (None, _) if self.taken == Some(k) => self.excuse.unwrap_or(self.reason_of(c)).to_string(),
+                (None, _) if self.taken == Some(k) => {
+                    self.excuse.map_or_else(|| self.reason_of(c), str::to_string)
+                }
                 (None, Some(best)) if self.winner().is_some_and(|taken| taken.sure() < c.sure()) => {
-                    format!("{best} is preferred: it states more, predicts better, or explains as much with what is beside it")
+                    format!("{best} is preferred: {PREFERENCE}")
                 }
                 (None, Some(best)) => format!("explains less than {best}"),
                 (None, None) => "is not the best".to_string(),

@@ -15,7 +15,7 @@
 //! nonlinearity).
 
 use super::signals::{LEAST_JUMP, REPEATED, Readings, bound};
-use super::sorted;
+use super::{range, sorted};
 use crate::experiment::{Experiment, Run};
 use crate::levels::{FACTOR, SMALL};
 
@@ -97,7 +97,8 @@ fn is_fault(run: &Run, inputs: usize, least: f64, found: &Jumps) -> bool {
         .map(|c| (&c[..], least * Readings::of(&table.time, c).size()))
         .collect();
     let has_cause = |row: &usize| {
-        inputs.iter().any(|(column, least)| spread(&column[row.saturating_sub(BEFORE)..=*row]) > *least)
+        let near = row.saturating_sub(BEFORE)..=*row;
+        inputs.iter().any(|(column, least)| range(column[near.clone()].iter().copied()) > *least)
     };
     let fraction = |rows: &mut dyn Iterator<Item = usize>| {
         let (count, causes) = rows.fold((0, 0), |(n, m), row| (n + 1, m + usize::from(has_cause(&row))));
@@ -107,13 +108,6 @@ fn is_fault(run: &Run, inputs: usize, least: f64, found: &Jumps) -> bool {
     found.rows.len() >= REPEATED
         && found.range < 2.0 * found.usual
         && fraction(&mut found.rows.iter().copied()) < 0.5 * (1.0 + usual)
-}
-
-/// Difference of the greatest and the least reading.
-fn spread(readings: &[f64]) -> f64 {
-    let there = readings.iter().filter(|x| x.is_finite());
-    let (low, high) = there.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-    (high - low).max(0.0)
 }
 
 #[cfg(test)]

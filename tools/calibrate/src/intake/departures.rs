@@ -12,7 +12,7 @@
 //! *Source*: detection of abrupt changes in a residual: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
 
 use super::signals::{JUMP, LEAST_JUMP};
-use super::{median, sorted};
+use super::{median, range, sorted};
 use crate::experiment::{Experiment, Run};
 use crate::levels::{CERTAIN, FACTOR, PART};
 use crate::noise;
@@ -65,14 +65,9 @@ pub(super) fn of(experiment: &Experiment, output: usize, off: &[Vec<f64>]) -> Ve
     let usual = usual(experiment, off);
     let inputs: Vec<usize> =
         (0..experiment.inputs.len()).filter(|k| !experiment.inputs[*k].is_temperature()).collect();
-    let range = |columns: &mut dyn Iterator<Item = f64>| {
-        let own = columns.filter(|x| x.is_finite());
-        let (low, high) = own.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        (high - low).max(0.0)
-    };
     let spans: Vec<f64> = inputs
         .iter()
-        .map(|k| range(&mut experiment.runs.iter().flat_map(|r| r.table.columns[*k].iter().copied())))
+        .map(|k| range(experiment.runs.iter().flat_map(|r| r.table.columns[*k].iter().copied())))
         .collect();
     // The rows, and whether the run has departures at all, also where inputs change.
     let of_run = |(off, run): (&Vec<f64>, &Run)| -> (Vec<usize>, bool) {
@@ -85,7 +80,7 @@ pub(super) fn of(experiment: &Experiment, output: usize, off: &[Vec<f64>]) -> Ve
         let is_steady = |k: usize, j: usize| {
             inputs.iter().zip(&spans).all(|(input, span)| {
                 let own = &table.columns[*input][there[k]..=there[j]];
-                range(&mut own.iter().copied()) <= PART * span
+                range(own.iter().copied()) <= PART * span
             })
         };
         let of = |steady: &dyn Fn(usize, usize) -> bool| {

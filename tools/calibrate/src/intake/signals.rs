@@ -182,9 +182,7 @@ fn code(column: &[f64]) -> Option<f64> {
 fn changes(table: &Table, channel: usize, row: usize, least: f64) -> bool {
     let column = &table.columns[channel];
     let near = &column[row.saturating_sub(WIDEST)..(row + WIDEST + 1).min(column.len())];
-    let ends = near.iter().filter(|x| x.is_finite());
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-    high - low > least.max(ROUNDING)
+    super::range(near.iter().copied()) > least.max(ROUNDING)
 }
 
 /// Whether a channel deviates from the line between the readings next to these rows.
