@@ -323,19 +323,8 @@ impl<'a> Search<'a> {
             let Some(taken) = round.taken else { continue };
             effects.push(self.found(round, taken)?);
         }
-        // Of several laws the one that explains most. A mass beside a listed effect is a detail of the network and no effect without a name.
-        let is_mass = |f: &Found| matches!(f.follows, Follows::Mass(_));
-        let is_named = effects.iter().any(|f| f.term.is_none());
-        let laws = effects.iter().enumerate().filter(|(_, f)| f.term.is_some() && !(is_named && is_mass(f)));
-        let most = laws.max_by(|a, b| a.1.delta_bic_whitened.total_cmp(&b.1.delta_bic_whitened));
-        let unnamed = most.map(|(k, _)| k);
-        let class = effects.iter().any(|f| !f.alternatives.is_empty());
-        judgement.verdict = match (effects.is_empty(), unnamed, class) {
-            (true, ..) => Verdict::Nothing,
-            (_, Some(_), _) => Verdict::Unexplained,
-            (_, None, true) => Verdict::Class,
-            (_, None, false) => Verdict::Named,
-        };
+        let (verdict, unnamed) = judgement::verdict_on(&effects);
+        judgement.verdict = verdict;
         if let Some(free) = remembered {
             judgement.verdict = Verdict::Unexplained;
             judgement.unexplained = Some(unexplained(&free, false));

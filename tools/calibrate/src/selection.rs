@@ -26,7 +26,8 @@ pub use companion::{beside, companion};
 use gate::{Judged, gate, implausible};
 pub use gate::{asked, predicts_where_it_acts};
 use preference::{
-    best_prediction_first, is_element_of, is_part, law_elsewhere, one_driver_first, order_by_likelihood,
+    best_prediction_first, is_element_of, is_part, law_elsewhere, listed_first, one_driver_first,
+    order_by_likelihood,
 };
 
 /// Reduction of the cost required for a term: very strong evidence. Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec.
@@ -314,6 +315,7 @@ fn among<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -
         };
         order.sort_by_key(|k| rank(&candidates[*k]));
         order_by_likelihood(&candidates, &mut order);
+        listed_first(&candidates, &mut order);
     }
     let taken = order.into_iter().find(|k| candidates[*k].judge(point));
     let taken = taken.map(|t| law_elsewhere(point, &mut candidates, t).unwrap_or(t));

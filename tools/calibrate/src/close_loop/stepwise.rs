@@ -205,7 +205,11 @@ impl<'a> Search<'a> {
         // Here the scores to first order are accurate: what explains far less is not fitted again.
         let mut scored = search(&stripped);
         let least = HALF * scored.iter().map(Scored::sure).fold(0.0, f64::max);
-        scored.retain(|s| s.sure() > least);
+        // The addition itself is fitted in any case, so that what replaces it is compared with it.
+        let is_own = |s: &Scored| {
+            s.addition.as_ref().is_some_and(|a| (&a.id, a.port, a.follows) == (&own.id, own.port, own.follows))
+        };
+        scored.retain(|s| s.sure() > least || is_own(s));
         let round = compete(&without, &others, &scored);
         let is_as_good = |c: &&Candidate| self.point().explains(&c.point).0 < LEAST;
         if let Some(winner) = round.winner().filter(is_as_good) {

@@ -41,6 +41,23 @@ pub fn one_driver_first(candidates: &[Candidate], order: &mut [usize]) {
     }
 }
 
+/// A law that comes first gives way to a listed effect that explains as much and predicts the validation runs no worse: what it was preferred
+/// to may have explained more than the listed effect does.
+pub fn listed_first(candidates: &[Candidate], order: &mut [usize]) {
+    let Some(best) = order.first().map(|k| &candidates[*k]).filter(|c| !c.addition().is_listed()) else {
+        return;
+    };
+    let is_as_good = |k: &usize| {
+        let own = &candidates[*k];
+        own.addition().is_listed()
+            && own.sure() > best.sure() - ALIKE
+            && density(own) > density(best) - NEAR
+    };
+    if let Some(first) = order.iter().position(is_as_good) {
+        order[..=first].rotate_right(1);
+    }
+}
+
 /// Decrease of -2 ln p of the validation runs.
 fn density(candidate: &Candidate) -> f64 {
     candidate.delta_validation.unwrap_or(0.0)
@@ -193,6 +210,35 @@ mod tests {
         // A listed effect that explains most stays where it is.
         let listed = candidate(&setup, testing::addition(&setup, "windage", 1e-8), 401.0);
         assert_eq!(ordered(&[listed, of(400.0, Some(900.0))]), [0, 1]);
+    }
+
+    #[test]
+    fn a_preferred_law_gives_way_to_a_listed_effect_that_is_as_good() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let both = Follows::Both(Driver::FanCommand, Driver::HousingTemperature);
+        let of = |addition, sure, density| {
+            let mut own = candidate(&setup, addition, sure);
+            own.delta_validation = Some(density);
+            own
+        };
+        let conductance = |follows, sure, density| of(law(Port::HousingAmbientConductance, follows), sure, density);
+        let ordered = |sure, density| {
+            let all = [
+                conductance(both, 797.0, 213.0),
+                of(testing::addition(&setup, "fan_back_pressure", 0.1), sure, density),
+                conductance(Follows::Driver(Driver::FanCommand), 718.0, 194.0),
+            ];
+            // The law of one driver was preferred.
+            let mut order = vec![2, 0, 1];
+            listed_first(&all, &mut order);
+            order
+        };
+        assert_eq!(ordered(727.0, 193.0), [1, 2, 0]);
+        // It explains less, or predicts worse.
+        assert_eq!(ordered(718.0 - ALIKE, 193.0), [2, 0, 1]);
+        assert_eq!(ordered(727.0, 194.0 - NEAR), [2, 0, 1]);
+        listed_first(&[], &mut []);
     }
 
     #[test]

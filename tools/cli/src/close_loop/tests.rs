@@ -128,6 +128,18 @@ fn a_verdict_states_what_remains() {
     );
 }
 
+/// A law beside an effect that explains more is stated with it.
+#[test]
+fn what_explains_less_is_stated_beside_a_name() {
+    let mut outcome = sample::outcome(Verdict::Named);
+    let beside = sample::outcome(Verdict::Unexplained);
+    outcome.effects.extend(beside.effects);
+    outcome.unexplained = beside.unexplained;
+    let sentence = text::verdict(&outcome);
+    let law = "; beside that, and explaining less, an effect that is not in the list acts on";
+    assert!(sentence.starts_with("the model lacks iron loss") && sentence.contains(law), "{sentence}");
+}
+
 /// An effect without alternatives is no part of a class.
 #[test]
 fn a_class_excludes_effects_without_alternatives() {

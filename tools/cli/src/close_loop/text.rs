@@ -193,7 +193,9 @@ pub fn verdict(outcome: &Outcome) -> String {
 fn lacks(outcome: &Outcome) -> String {
     let effects: Vec<String> = outcome.effects.iter().map(found).collect();
     match outcome.verdict {
-        Verdict::Named => format!("the model lacks {}.", list(&effects, "and")),
+        Verdict::Named if outcome.unexplained.is_none() => {
+            format!("the model lacks {}.", list(&effects, "and"))
+        }
         Verdict::Class => {
             // Each effect with its alternatives; an effect without alternatives is no part of the class.
             let classes: Vec<String> = outcome
@@ -214,13 +216,15 @@ fn lacks(outcome: &Outcome) -> String {
                 list(&effects, "and")
             )
         }
-        Verdict::Unexplained => {
+        Verdict::Named | Verdict::Unexplained => {
             let listed: Vec<String> =
                 outcome.effects.iter().filter(|e| e.term.is_none()).map(found).collect();
+            let beside =
+                if outcome.verdict == Verdict::Named { "beside that, and explaining less," } else { "beside that," };
             match &listed[..] {
                 [] => unexplained(outcome),
                 listed => {
-                    format!("the model lacks {}; beside that, {}", list(listed, "and"), unexplained(outcome))
+                    format!("the model lacks {}; {beside} {}", list(listed, "and"), unexplained(outcome))
                 }
             }
         }
