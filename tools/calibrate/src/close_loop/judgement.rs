@@ -15,7 +15,8 @@ pub(super) fn verdict_on(effects: &[Found]) -> (Verdict, Option<usize>) {
     let is_mass = |found: &Found| matches!(found.follows, Follows::Mass(_));
     let listed = effects.iter().filter(|found| found.term.is_none());
     let named = listed.map(explains).max_by(f64::total_cmp);
-    let laws = effects.iter().enumerate().filter(|(_, f)| f.term.is_some() && !(named.is_some() && is_mass(f)));
+    let laws =
+        effects.iter().enumerate().filter(|(_, f)| f.term.is_some() && !(named.is_some() && is_mass(f)));
     let law = laws.max_by(|a, b| explains(a.1).total_cmp(&explains(b.1)));
     let is_law_first = law.is_some_and(|(_, law)| named.is_none_or(|named| named <= explains(law)));
     let verdict = match effects {

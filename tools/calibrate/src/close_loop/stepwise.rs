@@ -207,7 +207,9 @@ impl<'a> Search<'a> {
         let least = HALF * scored.iter().map(Scored::sure).fold(0.0, f64::max);
         // The addition itself is fitted in any case, so that what replaces it is compared with it.
         let is_own = |s: &Scored| {
-            s.addition.as_ref().is_some_and(|a| (&a.id, a.port, a.follows) == (&own.id, own.port, own.follows))
+            s.addition
+                .as_ref()
+                .is_some_and(|a| (&a.id, a.port, a.follows) == (&own.id, own.port, own.follows))
         };
         scored.retain(|s| s.sure() > least || is_own(s));
         let round = compete(&without, &others, &scored);

@@ -49,9 +49,7 @@ pub fn listed_first(candidates: &[Candidate], order: &mut [usize]) {
     };
     let is_as_good = |k: &usize| {
         let own = &candidates[*k];
-        own.addition().is_listed()
-            && own.sure() > best.sure() - ALIKE
-            && density(own) > density(best) - NEAR
+        own.addition().is_listed() && own.sure() > best.sure() - ALIKE && density(own) > density(best) - NEAR
     };
     if let Some(first) = order.iter().position(is_as_good) {
         order[..=first].rotate_right(1);
@@ -222,7 +220,8 @@ mod tests {
             own.delta_validation = Some(density);
             own
         };
-        let conductance = |follows, sure, density| of(law(Port::HousingAmbientConductance, follows), sure, density);
+        let conductance =
+            |follows, sure, density| of(law(Port::HousingAmbientConductance, follows), sure, density);
         let ordered = |sure, density| {
             let all = [
                 conductance(both, 797.0, 213.0),

@@ -219,8 +219,11 @@ fn lacks(outcome: &Outcome) -> String {
         Verdict::Named | Verdict::Unexplained => {
             let listed: Vec<String> =
                 outcome.effects.iter().filter(|e| e.term.is_none()).map(found).collect();
-            let beside =
-                if outcome.verdict == Verdict::Named { "beside that, and explaining less," } else { "beside that," };
+            let beside = if outcome.verdict == Verdict::Named {
+                "beside that, and explaining less,"
+            } else {
+                "beside that,"
+            };
             match &listed[..] {
                 [] => unexplained(outcome),
                 listed => {
