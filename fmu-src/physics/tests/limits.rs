@@ -166,3 +166,16 @@ fn a_step_of_the_rounding_of_the_time_is_a_step() {
         }
     }
 }
+
+/// The sentence on a failed step says why it failed.
+#[test]
+fn a_step_without_solution_states_its_cause() {
+    let mut m = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
+    m.start(0.0).unwrap();
+    m.inputs.voltage = f64::NAN;
+    let sentence = m.step(0.0, 0.01).unwrap_err().0;
+    assert!(
+        sentence.contains("a state or a rate is not finite") && sentence.contains("effects.json"),
+        "{sentence}"
+    );
+}

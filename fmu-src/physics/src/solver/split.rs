@@ -28,8 +28,8 @@ mod system;
 
 pub use system::{Fast, Segment, System, Work};
 
-use super::MOST_STEPS;
 use super::phi::{Forcing, Phi, product};
+use super::{Cause, MOST_STEPS};
 use crate::runtime::Saved;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use square::Squares;
@@ -141,6 +141,8 @@ pub struct StepFailure {
     pub t: f64,
     /// Step size at the failure, s.
     pub h: f64,
+    /// Its cause.
+    pub cause: Cause,
 }
 
 /// Matrix, 1/s, and step, s, of the fast block and of the thermal one, from which all of their phi functions follow.
@@ -237,7 +239,7 @@ impl<const N: usize> Split<N> {
         h: f64,
     ) -> Result<(), StepFailure> {
         let (mut done, mut trial, mut try_h) = (0.0, self.trial.min(h), h);
-        let mut backup = None;
+        let (mut backup, mut cause) = (None, Cause::Steps);
         state.integrals = StepIntegrals::default();
         for _ in 0..MOST_STEPS {
             let rest = h - done;
@@ -256,6 +258,7 @@ impl<const N: usize> Split<N> {
                 self.rejected += 1;
                 trial = try_h * if error.is_finite() { (0.8 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 };
             } else {
+                cause = if error.is_finite() { Cause::Inaccurate } else { Cause::NotFinite };
                 break;
             }
         }
@@ -263,7 +266,7 @@ impl<const N: usize> Split<N> {
             (self.fast, self.thermal) = (Phi::new(a, fast), Phi::new(m, thermal));
             self.squares = Squares::of(self.fast.matrix());
         }
-        Err(StepFailure { t: done, h: try_h })
+        Err(StepFailure { t: done, h: try_h, cause })
     }
 
     /// One step without error control, to study the order of the method.

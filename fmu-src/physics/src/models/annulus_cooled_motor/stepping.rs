@@ -16,9 +16,9 @@ use crate::effects::{PerNode, Port};
 use crate::line::Line;
 use crate::model::Fault;
 use crate::runtime::Halt;
-use crate::solver::MOST_STEPS;
-use crate::solver::split::State;
+use crate::solver::split::{State, StepFailure};
 use crate::solver::stabilized::States;
+use crate::solver::{Cause, MOST_STEPS, no_solution};
 use crate::terms::Drivers;
 use declare::Group;
 
@@ -152,9 +152,9 @@ impl AnnulusCooledMotor {
         step.lags = self.lags_from(time);
         let (before, sensed) = (self.own.state, self.sensed());
         let next = &mut self.own.state;
-        if let Err(step_failure) = self.own.split.advance(&step, next, h) {
+        if let Err(failure) = self.own.split.advance(&step, next, h) {
             *next = before;
-            return Err(self.step_failure(time, step_failure.t, step_failure.h).into());
+            return Err(self.no_solution(time, &failure).into());
         }
         let phases = self.own.phases.over(&step, [&before, next], h, &self.parameters);
         let [winding, core] = [next.temperature[0], next.temperature[1]];
@@ -170,12 +170,9 @@ impl AnnulusCooledMotor {
         Ok(())
     }
 
-    fn step_failure(&self, time: f64, after: f64, h: f64) -> Fault {
-        Fault(format!(
-            "The motor's equations have no solution {after:.3e} s after {time} s with at most {MOST_STEPS} steps, the last of {h:.1e} s \
-             (current {} A, speed {} rad/s, winding {} K); parameters or inputs are probably far from those of a motor.",
-            self.own.state.x[0], self.own.state.x[1], self.own.state.temperature[0]
-        ))
+    fn no_solution(&self, time: f64, failure: &StepFailure) -> Fault {
+        let state = &self.own.state;
+        no_solution("motor", time, failure, [state.x[0], state.x[1], state.temperature[0]])
     }
 
     fn advance_in_pieces(&mut self, time: f64, h: f64) -> Result<(), Halt> {
@@ -203,7 +200,8 @@ impl AnnulusCooledMotor {
                     }
                 }
                 Ok(Err(shorter)) if shorter < LEAST_SHARE * h || tried >= MOST_STEPS => {
-                    let fault = self.step_failure(time, done, shorter);
+                    let cause = if tried >= MOST_STEPS { Cause::Steps } else { Cause::Inaccurate };
+                    let fault = self.no_solution(time, &StepFailure { t: done, h: shorter, cause });
                     self.return_to(before);
                     return Err(fault.into());
                 }
@@ -264,8 +262,8 @@ impl AnnulusCooledMotor {
 
         step.couple(coupling(network, fan_conductance, ambient, Some(&rates)));
         let mut next = state;
-        if let Err(step_failure) = split.advance(&step, &mut next, h) {
-            return Err(self.step_failure(time, step_failure.t, step_failure.h).into());
+        if let Err(failure) = split.advance(&step, &mut next, h) {
+            return Err(self.no_solution(time, &failure).into());
         }
         let integrals = next.integrals;
         let coupling_integrals = CouplingIntegrals {

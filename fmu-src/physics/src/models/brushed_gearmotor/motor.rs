@@ -10,7 +10,7 @@ use crate::exchange::is_above;
 use crate::model::{Declaration, Declared, Fault};
 use crate::runtime::{Equations, Halt, NoVariables, Runtime};
 use crate::saved;
-use crate::solver::MOST_STEPS;
+use crate::solver::no_solution;
 use crate::solver::split::Split;
 use crate::terms::Drivers;
 use declare::State as Declare;
@@ -141,14 +141,10 @@ impl Equations<STATES> for Gearmotor {
         let Gearmotor { constants, state, split, .. } = own;
         let before = *state;
         let step = Step::new(parameters, constants, inputs, slopes, time);
-        if let Err(step_failure) = split.advance(&step, state, h) {
+        if let Err(failure) = split.advance(&step, state, h) {
             *state = before;
-            let fault = format!(
-                "The gearmotor's equations have no solution {:.3e} s after {} s with at most {MOST_STEPS} steps, the last of {:.1e} s \
-                 (current {} A, speed {} rad/s, winding {} K); parameters or inputs are probably far from those of a motor.",
-                step_failure.t, time, step_failure.h, before.x[0], before.x[1], before.temperature[0]
-            );
-            return Err(Fault(fault).into());
+            let now = [before.x[0], before.x[1], before.temperature[0]];
+            return Err(no_solution("gearmotor", time, &failure, now).into());
         }
         if run.own.constants.limits().are_passed(&run.extremes()) {
             run.own.state = before;
