@@ -20,7 +20,7 @@ pub fn best_prediction_first(candidates: &[Candidate], order: &mut [usize]) {
     let predicts = |k: &usize| density(&candidates[order[*k]]);
     let first = (0..alike).max_by(|a, b| predicts(a).total_cmp(&predicts(b)));
     if let Some(first) = first.filter(|k| predicts(k) > density(best) + NEAR) {
-        order[..=first].rotate_right(1);
+        precede(order, first, 0);
     }
 }
 
@@ -37,7 +37,7 @@ pub fn one_driver_first(candidates: &[Candidate], order: &mut [usize]) {
         own.is_simple() && density(own) > density(best) - NEAR && left < asked(&own.point, &best.point)
     };
     if let Some(first) = order.iter().position(is_enough) {
-        order[..=first].rotate_right(1);
+        precede(order, first, 0);
     }
 }
 
@@ -52,8 +52,13 @@ pub fn listed_first(candidates: &[Candidate], order: &mut [usize]) {
         own.addition().is_listed() && own.sure() > best.sure() - ALIKE && density(own) > density(best) - NEAR
     };
     if let Some(first) = order.iter().position(is_as_good) {
-        order[..=first].rotate_right(1);
+        precede(order, first, 0);
     }
+}
+
+/// Moves the `k`-th of an order before the one at `place`, which is not behind it.
+fn precede(order: &mut [usize], k: usize, place: usize) {
+    order[place..=k].rotate_right(1);
 }
 
 /// Decrease of -2 ln p of the validation runs.
@@ -64,7 +69,7 @@ fn density(candidate: &Candidate) -> f64 {
 /// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
 /// sensor error that depends on the motor, an effect at a node depends on the temperature of that node, and a driver that is measured is
 /// preferred to a heat flow that the model computes from it.
-pub fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>) {
+pub fn order_by_likelihood(candidates: &[Candidate], order: &mut [usize]) {
     let unnamed = |k: &usize| !candidates[*k].addition().is_listed();
     for strange in ODDITIES {
         let Some(first) = order.iter().position(unnamed) else { return };
@@ -80,8 +85,7 @@ pub fn order_by_likelihood(candidates: &[Candidate], order: &mut Vec<usize>) {
                 && best.sure() - other.sure() < ALIKE
         };
         if let Some(other) = order.iter().position(as_well) {
-            let other = order.remove(other);
-            order.insert(first, other);
+            precede(order, other, first);
         }
     }
 }
