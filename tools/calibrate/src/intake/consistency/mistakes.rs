@@ -239,7 +239,9 @@ fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
 /// Two units with factors or offsets that differ by less are the same. Numerical: rounding of the factors.
 const SAME: f64 = 1e-3;
 
-/// Longest lag of an input that is tried, as a fraction of the run. Numerical: the readings of a longer one are nearly constant.
+/// Longest lag of an input, and time constant of the AC coupling of an output, that is tried, as a fraction of the run. Limit: the readings
+/// behind a longer lag are nearly constant, and the time constant of a housing is not much shorter than a run: an effect that follows its
+/// temperature looks like a slower high-pass filter of an output.
 const SLOWEST: f64 = 0.1;
 
 /// Least time constant of AC coupling that is tried, in rows. Numerical: a shorter one leaves a reading or none of a change.
@@ -376,10 +378,12 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
             let taus = |from: f64, by: f64, to: f64| {
                 std::iter::successors(Some(from), move |tau| Some(by * tau)).take_while(move |tau| *tau < to)
             };
-            if k < experiment.inputs.len() {
+            let is_input = k < experiment.inputs.len();
+            if is_input {
                 found.extend(taus(row, 2.0, SLOWEST * whole).map(|tau| Mistake::Slow(k, tau)));
             }
-            found.extend(taus(SHORTEST * row, FINE, whole).map(|tau| Mistake::Coupled(k, tau)));
+            let slowest = if is_input { whole } else { SLOWEST * whole };
+            found.extend(taus(SHORTEST * row, FINE, slowest).map(|tau| Mistake::Coupled(k, tau)));
         }
         if !quantities.contains(&channel.unit) {
             quantities.push(channel.unit);

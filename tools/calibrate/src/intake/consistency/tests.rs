@@ -1,5 +1,6 @@
 //! Loads recorded without their sign, behind an average or AC coupling, and a file with another interval between its rows.
 
+use super::mistakes::{Mistake, mistakes};
 use crate::experiment::Experiment;
 use crate::intake::tests::{
     CURRENT, SPEED, TORQUE, VOLTAGE, column, experiment, reason, unusable, with_inputs,
@@ -96,6 +97,28 @@ fn an_ac_coupled_load_is_unusable() {
         }
     });
     assert_eq!(unusable(&mut alternating), None, "{:?}", alternating.notes);
+}
+
+/// A sensor whose zero follows the housing's temperature resembles a slow high-pass filter: of an output only faster ones are tried, of an
+/// input, which no effect changes, all that fit in a run.
+#[test]
+fn ac_coupling_of_an_output_is_faster_than_a_housing() {
+    let data = experiment(39);
+    let time = &data.runs[0].table.time;
+    let whole = time[time.len() - 1] - time[0];
+    let all = mistakes(&data);
+    let slowest = |channel: usize| {
+        let of = |mistake: &Mistake| match mistake {
+            Mistake::Coupled(k, tau) if *k == channel => *tau / whole,
+            _ => 0.0,
+        };
+        all.iter().map(of).fold(0.0, f64::max)
+    };
+    for (channel, range) in
+        [(CURRENT, 0.8..1.0), (SPEED, 0.8..1.0), (TORQUE, 0.08..0.1), (VOLTAGE, 0.08..0.1)]
+    {
+        assert!(range.contains(&slowest(channel)), "{channel}: {}", slowest(channel));
+    }
 }
 
 /// One of three files has another interval between its rows than its times state; in all of them it is another motor.
