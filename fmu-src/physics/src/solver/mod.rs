@@ -51,7 +51,6 @@ pub(crate) fn no_solution(
     };
     Fault(format!(
         "The {machine}'s equations have no solution {t:.3e} s after {time} s: {cause}, the last was {h:.1e} s long (current {i} A, speed {w} \
-         rad/s, winding {winding} K); {likely} are \
-         probably far from those of a motor."
+         rad/s, winding {winding} K); {likely} are probably far from those of a motor."
     ))
 }
