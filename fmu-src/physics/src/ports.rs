@@ -34,6 +34,11 @@ macro_rules! ports {
         [DrivenVoltage as TerminalVoltage "terminal_voltage" Volt of Current]
             sum driven_voltage [D: Number] (x: D, live: Driver, drivers: &Drivers) -> D,
             derivative [driven_voltage_slope];
+        /// Voltage in series with the winding that follows `drivers`, with `x` in place of the driver `live`: V, for both signs of the
+        /// current the same. Its power, which may be negative, heats the winding.
+        [SeriesVoltage as SeriesVoltage "series_voltage" Volt of Current]
+            sum series_voltage [D: Number] (x: D, live: Driver, drivers: &Drivers) -> D,
+            derivative [series_voltage_slope];
         /// Voltage drop of the drive's bridge at current `i`, A (drive_mode pwm): V, with the sign of `i`. Its power heats
         /// ambient.
         [Bridge] sum bridge_voltage [D: Number] (i: D) -> D, derivative [bridge_voltage_slope];

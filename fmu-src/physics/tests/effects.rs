@@ -331,6 +331,14 @@ fn terms_act_at_their_ports() {
     close(output(&mut m, "shaft_torque"), 5.0 * 0.0276 - 4e-3, 1e-15);
     let mut m = with(term(Port::TerminalVoltage, 0.2, Driver::Current, 0.0, 2.5, 2.0));
     close(output(&mut m, "terminal_voltage"), 5.0 * 0.386 + 0.8 + 500.0 * 0.0276, 1e-12);
+    // Against 5 A a loss of 1 W; against -5 A the same voltage supplies 1 W.
+    let mut m = with(term(Port::SeriesVoltage, 0.2, Driver::Speed, 0.0, 500.0, 1.0));
+    close(output(&mut m, "terminal_voltage"), 5.0 * 0.386 + 0.2 + 500.0 * 0.0276, 1e-12);
+    close(output(&mut m, "loss_copper"), 25.0 * 0.386 + 1.0, 1e-11);
+    m.inputs.current_command = -5.0;
+    m.start(0.0).unwrap();
+    close(output(&mut m, "terminal_voltage"), -5.0 * 0.386 + 0.2 + 500.0 * 0.0276, 1e-12);
+    close(output(&mut m, "loss_copper"), 25.0 * 0.386 - 1.0, 1e-11);
     let mut m = with(term(Port::WindingResistance, 0.25, Driver::Speed, 0.0, 250.0, 2.0));
     close(output(&mut m, "winding_resistance"), 2.0 * 0.386, 1e-12);
     close(output(&mut m, "loss_copper"), 25.0 * 2.0 * 0.386, 1e-11);

@@ -292,6 +292,8 @@ fn derivatives_are_those_of_states_that_settle_within_a_step() {
         GenericTerm::new(Port::WindingResistance, power(Driver::Current, 0.0, 30.0, 0.8)),
         after(0.5, Driver::Speed, Port::TerminalVoltage, bent(Driver::Speed, [0.0, 900.0], [0.0, 1.0, 0.2])),
         GenericTerm::new(Port::TerminalVoltage, power(t_w, 250.0, 100.0, 2.0)),
+        GenericTerm::new(Port::SeriesVoltage, bent(Driver::Current, [0.0, 30.0], [0.5, -0.5, 1.0])),
+        after(0.8, t_w, Port::SeriesVoltage, power(t_w, 250.0, 100.0, 2.0)),
         GenericTerm::new(Port::TorqueConstant, grid([Driver::Time, t_w], [0.0, 3.0], [290.0, 400.0])),
         after(1.0, Driver::CopperLoss, Port::TorqueConstant, power(Driver::CopperLoss, 0.0, 500.0, -0.1)),
         GenericTerm::new(Port::TorqueConstant, power(Driver::Current, 0.0, 60.0, -0.2)),

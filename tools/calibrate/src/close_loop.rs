@@ -461,6 +461,12 @@ impl<'a> Search<'a> {
         };
         let mut all: Vec<Localised> = Port::ALL.iter().filter_map(of).collect();
         all.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let mut known: Vec<&str> = Vec::new();
+        all.retain(|one| {
+            let is_new = !known.contains(&one.port.quantity());
+            known.push(one.port.quantity());
+            is_new
+        });
         all
     }
 }

@@ -324,7 +324,7 @@ impl<'a> Report<'a> {
             localised: outcome
                 .localised
                 .iter()
-                .map(|l| Localised { port: l.port.name(), share: l.share, driver: l.follows.name() })
+                .map(|l| Localised { port: l.port.quantity(), share: l.share, driver: l.follows.name() })
                 .collect(),
             candidate_table: outcome.candidate_table.iter().map(candidate_row).collect(),
             whiteness: InOrder(outcome.whiteness.iter().map(whiteness).collect()),
@@ -387,7 +387,7 @@ impl<'a> Report<'a> {
 fn effect(found: &Found) -> Effect<'_> {
     Effect {
         id: &found.id,
-        port: found.port.name(),
+        port: found.port.quantity(),
         driver: found.follows.name(),
         alternatives: &found.alternatives,
         weights: InOrder(found.class().collect()),
@@ -426,7 +426,7 @@ fn unexplained(found: &outcome::Unexplained) -> Unexplained {
         deviation: *deviation,
     };
     Unexplained {
-        port: found.port.name(),
+        port: found.port.quantity(),
         driver: found.follows.name(),
         added: found.added,
         unit: unit(found.port),
@@ -439,7 +439,7 @@ fn candidate_row(evidence: &outcome::Evidence) -> CandidateRow<'_> {
     CandidateRow {
         round: evidence.round,
         name: &evidence.name,
-        port: evidence.port.name(),
+        port: evidence.port.quantity(),
         delta_bic: evidence.delta_bic,
         delta_bic_whitened: evidence.delta_bic_whitened,
         delta_validation: evidence.delta_validation,

@@ -33,6 +33,7 @@ use laws::{of_two, powers, smooth, varies};
 use memory_terms::{FREE, histories, latent_inputs};
 pub use memory_terms::{best_memory_term, latent_input, latent_input_at, needs_memory};
 use physics::terms::{Driver, Port};
+use std::collections::HashSet;
 pub use structure::structure;
 
 /// Times per run at which a step change is tried. Numerical: every row near the best one follows.
@@ -42,6 +43,8 @@ const TOGETHER: usize = 32;
 /// Number of best shapes for which power laws are tried. Numerical: a power law is also a smooth shape, so those of further shapes
 /// explain less.
 const LIKELY: usize = 16;
+/// Number of quantities for which further laws are tried: those whose latent inputs explain most. Numerical: a limit of effort.
+const QUANTITIES: usize = 4;
 /// Time constants of a sensor, s, that are tried. Numerical: starts of a fit.
 const LAGS: [f64; 3] = [10.0, 30.0, 90.0];
 /// Capacity and resistance of a new node that are tried, as fractions of those of housing and winding. Numerical: starts of a fit.
@@ -159,16 +162,26 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
     all.extend(parallel::flat_map(likely, powers_of));
     let mut free = parallel::flat_map(Port::ALL, |port| latent_inputs(point, *port, per_number));
     free.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
+    let ports = most_likely(&free);
     all.extend(of_two(point, &ports, &shapes, per_number));
-    all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
-    all.extend(hidden::lagging(point, &ports, per_number));
+    let shapes: Vec<Scored> = shapes.into_iter().map(|(_, _, shape)| shape).collect();
+    all.extend(hidden::lagging(point, &ports, &shapes, per_number));
+    all.extend(shapes);
     all.extend(hidden::masses(point, per_number));
     all.extend(parallel::flat_map(&ports, |port| histories(point, *port, per_number)));
     all.extend(free);
     leave_to_the_air(&mut all);
     all.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
     all
+}
+
+/// The ports of the first few quantities of these latent inputs.
+fn most_likely(free: &[Scored]) -> Vec<Port> {
+    let mut quantities: Vec<&str> = free.iter().map(|s| s.port.quantity()).collect();
+    let mut known = HashSet::new();
+    quantities.retain(|one| known.insert(*one));
+    quantities.truncate(QUANTITIES);
+    free.iter().map(|s| s.port).filter(|port| quantities.contains(&port.quantity())).collect()
 }
 
 /// A heat at the housing that decreases with its temperature is a heat loss: if a conductance to ambient over the same drivers explains

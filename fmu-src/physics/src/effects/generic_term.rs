@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | drag_torque | y tanh(w / w_small), N.m: y > 0 brakes in both directions and heats the housing | all |
 //! | terminal_voltage | y tanh(I / 0.05 A), V: y > 0 is a loss for both signs of I and heats the winding | all |
+//! | series_voltage | y, V, against a positive I for both signs of I: a thermoelectric voltage, the zero of an amplifier; y I heats the winding | all |
 //! | winding_resistance, torque_constant | multiplied by 1 + y | all |
 //! | winding_housing_resistance | multiplied by 1 + y | winding_temperature |
 //! | winding_heat | y, W, heats the winding; part of the energy input, as heat_power | |
@@ -162,6 +163,11 @@ impl Effect for GenericTerms {
     }
 
     #[inline]
+    fn series_voltage<D: Number>(&self, x: D, live: Driver, drivers: &Drivers) -> D {
+        self.driven(Port::SeriesVoltage, x, live, drivers)
+    }
+
+    #[inline]
     fn winding_resistance<D: Number>(&self, x: D, live: Driver, drivers: &Drivers) -> D {
         Self::factor(self.driven(Port::WindingResistance, x, live, drivers))
     }
@@ -267,6 +273,15 @@ mod tests {
         assert!((volts.driven_voltage(-2.0f64, Driver::Current, &none) + 0.3).abs() < 1e-15);
         let port = |i| volts.driven_voltage(i, Driver::Current, &none);
         slope_is_derivative(port, &[-3.0, -0.02, 0.04, 5.0], 1e-6, 1e-6);
+        let source = carrying(Port::SeriesVoltage, 0.3, Driver::Current, 2.0, 1.5);
+        let series = |i: f64| source.series_voltage(i, Driver::Current, &none);
+        assert_eq!([series(-2.0), series(2.0)], [0.3; 2], "the same for both signs");
+        slope_is_derivative(
+            |i| source.series_voltage(i, Driver::Current, &none),
+            &[-3.0, -0.02, 0.04, 5.0],
+            1e-6,
+            1e-6,
+        );
         let ohms = carrying(Port::WindingResistance, 0.3, Driver::Speed, 200.0, 1.5);
         slope_is_derivative(|w| ohms.winding_resistance(w, Driver::Speed, &none), &[-3e2, 5e2], 1e-3, 1e-8);
         let strength = carrying(Port::TorqueConstant, -0.02, Driver::Current, 2.0, 2.0);

@@ -60,8 +60,20 @@ impl Port {
     pub fn is_fast(self) -> bool {
         matches!(
             self,
-            Port::DragTorque | Port::TerminalVoltage | Port::WindingResistance | Port::TorqueConstant
+            Port::DragTorque
+                | Port::TerminalVoltage
+                | Port::SeriesVoltage
+                | Port::WindingResistance
+                | Port::TorqueConstant
         )
+    }
+
+    /// The quantity that a term there changes, in reports: two ports may change the same one in different ways.
+    pub fn quantity(self) -> &'static str {
+        match self {
+            Port::SeriesVoltage => Port::TerminalVoltage.name(),
+            other => other.name(),
+        }
     }
 
     /// Whether a term there changes only what a sensor indicates.

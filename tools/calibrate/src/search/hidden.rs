@@ -1,8 +1,8 @@
 //! Latent states: laws over a first-order lag of a driver or of a heat flow.
 //!
 //! A node that the model lacks (magnets, bearing) follows the adjacent temperature or heat flow with a lag. Its time constant is profiled:
-//! for each time constant of a series, the linearised model gives the response to the lagged driver, and a law linear in it is scored. The
-//! fit by simulation then estimates all parameters, including the time constant.
+//! for each time constant of a series, the linearised model gives the response to the lagged driver, and a law linear in it is scored, as well
+//! as a smooth function of it, which may rise and fall. The fit by simulation then estimates all parameters, including the time constant.
 //!
 //! Q = G (z - T),   C dz/dt = G (T - z)
 //!
@@ -74,8 +74,14 @@ fn time_constants(point: &Linearization) -> Vec<f64> {
         .collect()
 }
 
-/// Best law over a lag of each driver, at these ports.
-pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) -> Vec<Scored> {
+/// Best laws over a lag of each driver, at these ports; those that explain less than a function of its `present` values are left out: they
+/// have the shortest lag, and the same to say.
+pub(super) fn lagging(
+    point: &Linearization,
+    ports: &[Port],
+    present: &[Scored],
+    per_number: f64,
+) -> Vec<Scored> {
     let taus = time_constants(point);
     let moves = |driver: Driver| {
         let values = || point.drivers().map(|d| d.of(driver));
@@ -96,13 +102,22 @@ pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) ->
     let find = |(port, driver): &(Port, Driver)| {
         let own: Vec<&Late> = late.iter().filter(|l| l.lag.driver == *driver).collect();
         let columns = point.port_columns(*port, own.len(), |k, r, row, _| own[k].value(r, row, 1.0))?;
-        let gains = own.into_iter().zip(point.evidence.gains(&columns));
-        let (best, _) = best(gains)?;
-        let laws =
-            [powers(point, *port, best, &taus, per_number), table(point, *port, best, &taus, per_number)];
+        let line = best(own.iter().copied().zip(point.evidence.gains(&columns)));
+        // A function that rises and falls is no line at any time constant.
+        let tables = own.iter().filter_map(|late| Table::new(point, *port, late));
+        let table = tables.max_by(|a, b| a.gain.whitened.total_cmp(&b.gain.whitened));
+        let laws = [
+            line.and_then(|(late, _)| powers(point, *port, late, &taus, per_number)),
+            table.map(|table| table.scored(point, *port, &taus, per_number)),
+        ];
         Some(laws.into_iter().flatten())
     };
     let mut found: Vec<Scored> = parallel::flat_map(&places, find).into_iter().flatten().collect();
+    let without_lag = |s: &Scored| {
+        let same = |p: &&Scored| p.port == s.port && p.follows.drivers().eq(s.follows.drivers());
+        present.iter().find(same).map_or(0.0, Scored::sure)
+    };
+    found.retain(|s| s.sure() > without_lag(s));
     let measured: Vec<(Port, f64)> =
         found.iter().filter(|s| !is_of_heat(s)).map(|s| (s.port, s.sure())).collect();
     // The model computes a heat flow from measured drivers: it has to explain more than they do.
@@ -166,25 +181,42 @@ fn powers(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_numb
     Some(found)
 }
 
-fn table(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
-    let values = || late.reached.iter().flatten();
-    let (least, most) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(*z), b.max(*z)));
-    let knots: Vec<f64> =
-        (0..POINTS).map(|k| least + (most - least) * k as f64 / (POINTS - 1) as f64).collect();
-    if knots.windows(2).any(|pair| pair[0] >= pair[1]) {
-        return None;
+/// Smooth function of a lagged driver at a port.
+struct Table<'l> {
+    late: &'l Late,
+    knots: Vec<f64>,
+    gain: Gain,
+}
+
+impl<'l> Table<'l> {
+    /// `None` if the lagged driver is constant, or its function has no effect.
+    fn new(point: &Linearization, port: Port, late: &'l Late) -> Option<Table<'l>> {
+        let values = || late.reached.iter().flatten();
+        let (least, most) =
+            values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(*z), b.max(*z)));
+        let knots: Vec<f64> =
+            (0..POINTS).map(|k| least + (most - least) * k as f64 / (POINTS - 1) as f64).collect();
+        if knots.windows(2).any(|pair| pair[0] >= pair[1]) {
+            return None;
+        }
+        let columns =
+            point.port_columns(port, POINTS, |k, r, row, _| hat(&knots, k, late.reached[r][row]))?;
+        let gain = point.evidence.shape(&columns, &alike(&knots))?;
+        Some(Table { late, knots, gain })
     }
-    let columns = point.port_columns(port, POINTS, |k, r, row, _| hat(&knots, k, late.reached[r][row]))?;
-    let gain = point.evidence.shape(&columns, &alike(&knots))?;
-    let driver = late.lag.driver;
-    let name = format!("{} over lag of {}", port.name(), driver.name());
-    let follows = Follows::Late(driver);
-    let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &knots);
-    let place = |x: f64| format!("lagged {} = {x:.4}", driver.name());
-    let mut numbers: Vec<Number> =
-        knots.iter().enumerate().map(|(k, x)| value(port, &place(*x), k, &gain)).collect();
-    numbers.push(time_constant(late, taus));
-    let shape = super::laws::table(vec![Axis { driver, knots }], &gain);
-    found.addition = Some(term(point, (port, follows), shape, numbers));
-    Some(found)
+
+    fn scored(self, point: &Linearization, port: Port, taus: &[f64], per_number: f64) -> Scored {
+        let Table { late, knots, gain } = self;
+        let driver = late.lag.driver;
+        let name = format!("{} over lag of {}", port.name(), driver.name());
+        let follows = Follows::Late(driver);
+        let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &knots);
+        let place = |x: f64| format!("lagged {} = {x:.4}", driver.name());
+        let mut numbers: Vec<Number> =
+            knots.iter().enumerate().map(|(k, x)| value(port, &place(*x), k, &gain)).collect();
+        numbers.push(time_constant(late, taus));
+        let shape = super::laws::table(vec![Axis { driver, knots }], &gain);
+        found.addition = Some(term(point, (port, follows), shape, numbers));
+        found
+    }
 }

@@ -3,7 +3,7 @@ use crate::hypothesis::{Axis, Hypothesis, Number};
 use crate::setup::Setup;
 use crate::testing::{self, PRIORS};
 use nalgebra::DMatrix;
-use physics::terms::{Factor, GenericTerm, Lag, Law, Product};
+use physics::terms::{Factor, GenericTerm, Lag, Law, Product, Table};
 
 /// Law over a driver with given evidence and shape (driver, value).
 fn law(port: Port, follows: Follows, sure: f64, shape: &[(f64, f64)]) -> Scored {
@@ -142,6 +142,21 @@ fn a_hidden_state_is_found_with_its_time_constant() {
     });
 }
 
+/// A drag that rises and falls with the lagged speed: a line over it explains little at any time constant, the true one included.
+#[test]
+fn a_function_of_a_hidden_state_needs_no_slope() {
+    let rise_and_fall = [0.0, 4e-3, 0.0, 4e-3, 0.0];
+    let table = Table::new(Driver::Speed, &[100.0, 200.0, 300.0, 400.0, 500.0], &rise_and_fall).unwrap();
+    let lag = Some(Lag { driver: Driver::Speed, tau: 150.0, difference: false });
+    found_of(GenericTerm { port: Port::DragTorque, law: Law::Table(table), lag }, |_, scored| {
+        let best = scored.iter().find(|s| s.addition.is_some()).unwrap();
+        assert_eq!((best.port, best.follows), (Port::DragTorque, Follows::Late(Driver::Speed)));
+        let own = best.addition.as_ref().unwrap();
+        let tau = own.lag().unwrap().tau;
+        assert!(own.is_table() && (tau / 150.0).ln().abs() < 0.5, "{tau}");
+    });
+}
+
 /// A mass that the model lacks at the housing: its conductance and its time constant, and none at the winding.
 #[test]
 fn a_mass_at_a_node_is_found() {
@@ -263,4 +278,32 @@ fn the_start_of_a_large_effect_is_inside_its_limits() {
     assert_eq!(possible(0.2, -9.0, (-1.0, 1.0)), Some(-0.4));
     // At the limit already.
     assert_eq!(possible(1.0, 0.5, (0.0, 1.0)), None);
+}
+
+/// A current that reverses and rests distinguishes a drop from a voltage in series; both change the terminal voltage.
+#[test]
+fn a_voltage_that_does_not_reverse_is_in_series() {
+    let factor = Factor {
+        driver: Driver::Speed,
+        offset: 0.0,
+        reference: 300.0,
+        exponent: 1.0,
+        range: Factor::UNLIMITED,
+    };
+    let law = Law::Product(Product { coefficient: 0.05, factors: [Some(factor), None, None] });
+    for port in [Port::TerminalVoltage, Port::SeriesVoltage] {
+        let mut experiment = testing::driven_by(("current_A", 1.0, 190.0), &testing::OUTPUTS, PRIORS, true);
+        let current = &mut experiment.runs[0].table.columns[0];
+        current.iter_mut().enumerate().for_each(|(k, i)| *i *= [1.0, -1.0, 0.0][k / 20 % 3]);
+        let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
+        testing::read(&mut experiment, &preset, Some(GenericTerm::new(port, law)));
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let point = Linearization::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+        let scored = search(&point);
+        let of =
+            |port: Port| scored.iter().find(|s| s.port == port && s.follows == over(Driver::Speed)).unwrap();
+        let other = if port == Port::SeriesVoltage { Port::TerminalVoltage } else { Port::SeriesVoltage };
+        assert!(of(port).sure() > 2.0 * of(other).sure(), "{port:?}");
+        assert_eq!((scored[0].port, scored[0].port.quantity()), (port, "terminal_voltage"));
+    }
 }

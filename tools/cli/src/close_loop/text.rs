@@ -11,6 +11,7 @@ pub fn port(port: Port) -> &'static str {
     match port {
         Port::DragTorque => "the torque against the motion",
         Port::TerminalVoltage => "the voltage drop between terminals and winding",
+        Port::SeriesVoltage => "the voltage in series with the winding",
         Port::WindingResistance => "the winding's resistance",
         Port::TorqueConstant => "the torque constant",
         Port::WindingHeat => "the heat in the winding",

@@ -49,7 +49,8 @@ fn reason(port: Port) -> Option<&'static str> {
             "it takes neither terms from data nor effects that follow its states; its other effects (effect.*) act as parameters",
         ),
         StatorLoss | PowerModeLoad => Some("no power is imposed; the current carries losses and torque"),
-        WindingHeat | HousingHeat | HeatCapacity | DrivenDrag | DrivenVoltage | DrivenTorqueConstant => {
+        WindingHeat | HousingHeat | HeatCapacity | DrivenDrag | DrivenVoltage | SeriesVoltage
+        | DrivenTorqueConstant => {
             Some("it takes no terms from data; its other effects (effect.*) act as parameters")
         }
         WindingResistance => Some("motor.R_ref and motor.alpha are the resistance of the winding"),

@@ -80,7 +80,7 @@ fn watts(port: Port, value: f64, experiment: &Experiment) -> Option<f64> {
     };
     Some(match port {
         Port::DragTorque => value * most(Driver::Speed)?,
-        Port::TerminalVoltage => value * most(Driver::Current)?,
+        Port::TerminalVoltage | Port::SeriesVoltage => value * most(Driver::Current)?,
         Port::WindingHeat | Port::HousingHeat => value,
         Port::HousingAmbientConductance => value * rise()?,
         _ => return None,

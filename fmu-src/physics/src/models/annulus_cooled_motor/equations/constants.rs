@@ -9,13 +9,14 @@ use crate::models::annulus_cooled_motor::parameters::Parameters;
 use crate::terms::Driver;
 
 /// Ports, besides the drag torque, that are evaluated at every stage of a step.
-const BRANCHES: [Port; 12] = [
+const BRANCHES: [Port; 13] = [
     Port::WarmDrag,
     Port::LoadDrag,
     Port::TerminalVoltage,
     Port::WindingResistance,
     Port::DrivenDrag,
     Port::DrivenVoltage,
+    Port::SeriesVoltage,
     Port::DrivenTorqueConstant,
     Port::HousingHeat,
     Port::WindingHousingResistance,

@@ -69,8 +69,9 @@ impl<const FORM: u8> Step<'_, FORM> {
     /// Voltage drop between terminals and winding at the current `i`, V.
     #[inline(always)]
     pub(super) fn lost_voltage(&self, i: f64, drivers: &Drivers) -> f64 {
-        let effects = self.ports();
-        effects.terminal_voltage(i) + effects.driven_voltage(drivers.current, Driver::Current, drivers)
+        let (effects, x) = (self.ports(), drivers.current);
+        let driven = effects.driven_voltage(x, Driver::Current, drivers);
+        effects.terminal_voltage(i) + driven + effects.series_voltage(x, Driver::Current, drivers)
     }
 
     /// Torque constant at the temperature of the magnets, N.m/A.
@@ -105,6 +106,7 @@ impl<const FORM: u8> Step<'_, FORM> {
         let volts = by_both(&|by| {
             x[0] * r * effects.winding_resistance_slope(drivers.of(by), by, drivers)
                 + effects.driven_voltage_slope(drivers.of(by), by, drivers)
+                + effects.series_voltage_slope(drivers.of(by), by, drivers)
         });
         let strength = by_both(&|by| k * effects.driven_torque_constant_slope(drivers.of(by), by, drivers));
         let drag = by_both(&|by| effects.driven_drag_slope(drivers.of(by), by, drivers));
