@@ -11,8 +11,10 @@ mod clipped;
 mod clocks;
 mod consistency;
 mod converter;
+mod copies;
 mod dead_torque;
 mod departures;
+mod first_rows;
 mod pulses;
 mod response;
 mod signals;
@@ -97,12 +99,14 @@ pub fn check(
 /// All checks except that of the clocks.
 fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<(), Refusal> {
     enough(experiment)?;
-    if let Some(unusable) = outside_limits(experiment).or_else(|| clipped::input(experiment)) {
+    let unusable = outside_limits(experiment).or_else(|| copies::repeated(experiment));
+    if let Some(unusable) = unusable.or_else(|| clipped::input(experiment)) {
         return Err(Refusal::Unusable(unusable));
     }
     converter::set_aside(experiment);
     let spikes = signals::set_aside(experiment);
     dead_torque::set_aside(experiment, preset)?;
+    first_rows::set_aside(experiment, preset)?;
     let references = consistency::contradiction(experiment, preset, deadline)?.map_err(Refusal::Unusable)?;
     if let Some(unusable) = start_elsewhere(experiment) {
         return Err(Refusal::Unusable(unusable));
@@ -284,11 +288,13 @@ fn deviations(
 }
 
 /// Run declared to start at ambient temperature although every node deviates from it by more than any sensor error. A deviation beyond the
-/// error of one working thermometer is a note: the motor may be warm, or the ambient temperature that of another place.
+/// error of one working thermometer is a note, and the run starts as measured: the motor may be warm, or the ambient temperature that of
+/// another place.
 fn start_elsewhere(experiment: &mut Experiment) -> Option<Unusable> {
     let column = experiment.inputs.iter().find(|c| c.input == Some("ambient_temperature"))?.column;
     let mut notes = Vec::new();
-    for run in experiment.runs.iter().filter(|run| run.start == Start::Ambient) {
+    let mut warm = Vec::new();
+    for (r, run) in experiment.runs.iter().enumerate().filter(|(_, run)| run.start == Start::Ambient) {
         let Some(zero) = ambient(experiment, run).first().copied() else { continue };
         let nodes = first_rises(experiment, run, zero);
         let is_off = |least: f64| {
@@ -311,9 +317,11 @@ fn start_elsewhere(experiment: &mut Experiment) -> Option<Unusable> {
         if is_off(FAR) {
             return Some(Unusable { channel: column.to_string(), reason, suggestion });
         }
-        notes.push(format!("{reason}: {suggestion}"));
+        notes.push(format!("{reason}: {suggestion}; it is simulated from the measured temperatures"));
+        warm.push(r);
     }
     experiment.notes.extend(notes);
+    warm.into_iter().for_each(|r| experiment.runs[r].start = Start::Measured);
     None
 }
 

@@ -101,7 +101,10 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
         // The ambient temperature cannot have pulses caused by the motor: in such a row the logger failed.
         let failed: Vec<usize> = (0..experiment.inputs.len())
             .filter(|k| channels[*k].is_temperature())
-            .flat_map(|k| spikes[k].iter().copied())
+            .flat_map(|k| {
+                let ends = Readings::of(&table.time, &table.columns[k]).ends(least, 1.0);
+                spikes[k].iter().copied().chain(ends)
+            })
             .collect();
         if !failed.is_empty() {
             for column in &mut table.columns {

@@ -49,8 +49,8 @@ impl Adapted {
 /// A response of these sensors at the rows of the estimate, by sensor and row.
 fn indicated_by(warm: &[Warm], outputs: usize, response: &[f64]) -> Vec<Vec<f64>> {
     let of = |sensor: &Warm| {
-        let rows = response.iter().skip(sensor.output).step_by(outputs);
-        rows.take(sensor.rows()).copied().collect()
+        let rows = |output: usize| response.iter().skip(output).step_by(outputs).take(sensor.rows());
+        sensor.output.map_or_else(Vec::new, |output| rows(output).copied().collect())
     };
     warm.iter().map(of).collect()
 }

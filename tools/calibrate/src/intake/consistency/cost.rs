@@ -15,6 +15,8 @@ use physics::declare::{Causality, Kind};
 /// Minimum of the cost over the declared parameters: by output, and of the priors.
 pub(super) struct Cost {
     outputs: Vec<f64>,
+    /// Sum of ln(sigma / |dx/dy|) over the outputs, y the readings as recorded and x those that were fitted.
+    pub(super) width: f64,
     /// Number of fitted runs.
     fitted: usize,
     pub(super) prior: f64,
@@ -34,6 +36,7 @@ impl Cost {
         let own: Vec<Shown> = runs.iter().map(|run| shown[*run].clone()).collect();
         Ok(Cost {
             outputs: setup.chi_squares(runs, &own),
+            width: (0..setup.outputs()).map(|k| setup.sigma(k).ln()).sum(),
             fitted: runs.len(),
             prior: fitted.cost - fitted.chi_square,
             runs: all.iter().map(|r| of_run(setup, runs, *r, &shown[*r])).collect(),
@@ -46,12 +49,26 @@ impl Cost {
         self.outputs.iter().sum::<f64>() + self.prior
     }
 
+    /// Difference of -2 ln p of the readings as recorded to that with another change of them, apart from the costs: a change that enlarges an
+    /// output enlarges its structure error as well, and explains with it what it does not predict.
+    pub(super) fn wider_than(&self, other: &Cost) -> f64 {
+        let wider = 2.0 * SAMPLES * self.fitted as f64 * (self.width - other.width);
+        if wider.is_finite() { wider } else { 0.0 }
+    }
+
+    /// Whether the outputs agree with the model to within their structure errors, those of the data with a mistake where these are smaller.
+    pub(super) fn agrees(&self, with_mistake: &Cost) -> bool {
+        let readings = SAMPLES * (self.fitted * self.outputs.len()) as f64;
+        self.whole() + self.wider_than(with_mistake).max(0.0) <= readings
+    }
+
     /// Whether the cost is worse by this factor in those outputs in which the two differ, `except` for one. The other outputs may lack an
     /// unrelated effect.
     pub(super) fn is_worse_than(&self, other: &Cost, factor: f64, except: Option<usize>) -> bool {
         let pairs = self.outputs.iter().zip(&other.outputs).enumerate().filter(|(k, _)| Some(*k) != except);
         let pairs = pairs.map(|(_, pair)| pair).filter(|(own, other)| (*own - *other).abs() > LEAST);
         let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
+        let (own, meant) = (own + self.wider_than(other).max(0.0), meant + other.wider_than(self).max(0.0));
         own > factor * meant && own > meant + DECISIVE
     }
 
@@ -117,6 +134,7 @@ pub(super) fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, Cal
     // A model that cannot be simulated explains no data.
     Ok(cost.unwrap_or_else(|_| Cost {
         outputs: vec![f64::MAX; ready.setup.outputs()],
+        width: f64::NAN,
         fitted: ready.own.len(),
         prior: 0.0,
         runs: vec![f64::INFINITY; experiment.runs.len()],

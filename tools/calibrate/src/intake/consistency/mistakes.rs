@@ -1,9 +1,9 @@
 //! Mistakes in the columns of an experiment: units, signs, exchanged columns.
 
 use super::super::ambient;
-use crate::experiment::units::{names, units};
-use crate::experiment::{CELSIUS, Channel, Experiment};
-use crate::levels::{FACTOR, PART};
+use super::conversions::{SIGN, unit_mistakes};
+use crate::experiment::{CELSIUS, Channel, Experiment, Start};
+use crate::levels::FACTOR;
 use physics::declare::Unit;
 
 /// Hypothetical mistake: a change of the data.
@@ -13,8 +13,10 @@ pub enum Mistake {
     Affine { columns: Vec<usize>, factor: f64, offset: f64, words: String },
     /// Two columns are exchanged.
     Swap(usize, usize),
-    /// A temperature column contains rises over ambient.
-    Rise(usize),
+    /// Temperature columns contain rises over ambient.
+    Rise(Vec<usize>),
+    /// Thermocouples with reversed wires: their rise over ambient, where the logger is, has the opposite sign.
+    Reversed(Vec<usize>),
     /// The ambient sensor is heated by the motor; the first reading of a run is used as the ambient temperature.
     Heated(usize),
     /// An input was not measured: its column is constant. Its values are implied by an output, which is then no longer evidence.
@@ -38,23 +40,38 @@ impl Mistake {
     /// The columns that it changes, inputs first.
     pub fn touches(&self) -> Vec<usize> {
         match self {
-            Mistake::Affine { columns, .. } => columns.clone(),
+            Mistake::Affine { columns, .. } | Mistake::Rise(columns) | Mistake::Reversed(columns) => {
+                columns.clone()
+            }
             Mistake::Swap(a, b) => vec![*a, *b],
-            Mistake::Rise(k) | Mistake::Heated(k) => vec![*k],
+            Mistake::Heated(k) => vec![*k],
             Mistake::Unmeasured { column, by } => vec![*column, *by],
             Mistake::Magnitude(k) | Mistake::Slow(k, _) | Mistake::Coupled(k, _) => vec![*k],
             Mistake::Time(..) => Vec::new(),
         }
     }
 
-    /// Whether it changes the prediction, so that a simulation is needed.
-    pub fn is_simulated(&self, inputs: usize) -> bool {
-        matches!(self, Mistake::Time(..)) || self.touches().iter().any(|k| *k < inputs)
+    /// Whether it changes the prediction, so that a simulation is needed: a mistake in an input, or in a thermometer from which a run starts.
+    pub fn is_simulated(&self, experiment: &Experiment) -> bool {
+        let is_warm = experiment.runs.iter().any(|run| run.start == Start::Measured);
+        let is_start = |output: usize| is_warm && experiment.outputs[output].node().is_some();
+        let changes = |k: &usize| k.checked_sub(experiment.inputs.len()).is_none_or(is_start);
+        matches!(self, Mistake::Time(..)) || self.touches().iter().any(changes)
     }
 
     /// Whether it contradicts only the rows after changes of the load, so that the outputs agree in part: the fit decides.
     pub fn is_partial(&self) -> bool {
         matches!(self, Mistake::Slow(..))
+    }
+
+    /// Sum of ln |dx/dy| over the outputs, y the readings as recorded and x the corrected ones.
+    pub fn stretch(&self, inputs: usize) -> f64 {
+        match self {
+            Mistake::Affine { columns, factor, .. } => {
+                columns.iter().filter(|k| **k >= inputs).count() as f64 * factor.abs().ln()
+            }
+            _ => 0.0,
+        }
     }
 
     /// Factor by which the data as they are have to deviate more. No effect makes an output respond before its cause, so that a lag of an
@@ -63,20 +80,31 @@ impl Mistake {
         if self.is_partial() { 2.0 } else { FACTOR }
     }
 
-    /// Whether it hardly changes the shapes: two thermometers of the motor exchanged, all temperatures in another unit, or an ambient
-    /// temperature that rises with the motor.
+    /// Whether it hardly changes the shapes: two thermometers of the motor exchanged, an ambient temperature that rises with the motor, or
+    /// another level.
     pub fn is_alike(&self, experiment: &Experiment) -> bool {
-        let all = channels(experiment);
-        let inputs = experiment.inputs.len();
-        let is_warm = |k: &usize| all[*k].is_temperature();
+        let (all, inputs) = (channels(experiment), experiment.inputs.len());
+        let is_thermometer = |k: usize| k >= inputs && all[k].is_temperature();
         match self {
-            Mistake::Swap(a, b) => *a >= inputs && *b >= inputs && is_warm(a) && is_warm(b),
-            Mistake::Affine { columns, words, .. } => {
-                columns.len() > 1 && columns.iter().all(is_warm) && words.starts_with("readings in ")
-            }
+            Mistake::Swap(a, b) => is_thermometer(*a) && is_thermometer(*b),
             Mistake::Heated(_) => true,
-            _ => false,
+            _ => self.is_level(experiment),
         }
+    }
+
+    /// Whether it is one of the level: another unit or sign of several temperatures, or of any where a run does not start at the ambient one.
+    /// Other factors of all temperatures are hardly different from other heat capacities.
+    pub fn is_level(&self, experiment: &Experiment) -> bool {
+        let columns = match self {
+            Mistake::Affine { columns, words, .. } if words.starts_with("readings in ") || words == SIGN => {
+                columns
+            }
+            Mistake::Rise(columns) | Mistake::Reversed(columns) => columns,
+            _ => return false,
+        };
+        let all = channels(experiment);
+        let is_warm = || experiment.runs.iter().any(|run| run.start == Start::Measured);
+        columns.iter().all(|k| all[*k].is_temperature()) && (columns.len() > 1 || is_warm())
     }
 
     /// Whether the readings permit it: those of a heated ambient sensor rise and fall with a temperature of the motor, so that a common
@@ -111,10 +139,12 @@ impl Mistake {
                     .iter()
                     .for_each(|k| table.columns[*k].iter_mut().for_each(|x| *x = factor * *x + offset)),
                 Mistake::Swap(a, b) => table.columns.swap(*a, *b),
-                Mistake::Rise(k) => {
-                    let of = table.columns[*k].iter_mut().zip(ambient);
-                    of.for_each(|(x, t)| *x += t - CELSIUS);
-                }
+                Mistake::Rise(columns) => columns.iter().for_each(|k| {
+                    table.columns[*k].iter_mut().zip(&ambient).for_each(|(x, t)| *x += t - CELSIUS);
+                }),
+                Mistake::Reversed(columns) => columns.iter().for_each(|k| {
+                    table.columns[*k].iter_mut().zip(&ambient).for_each(|(x, t)| *x = 2.0 * t - *x);
+                }),
                 Mistake::Heated(k) => {
                     let column = &mut table.columns[*k];
                     let first = column.iter().copied().find(|x| x.is_finite()).unwrap_or(f64::NAN);
@@ -147,11 +177,13 @@ impl Mistake {
     /// Faulty channel, reason and suggested correction.
     pub fn words(&self, experiment: &Experiment, files: &str) -> (String, String, String) {
         let name = |k: usize| channels(experiment)[k].column.to_string();
+        let names = |columns: &[usize]| {
+            let all: Vec<String> = columns.iter().map(|k| name(*k)).collect();
+            (all.first().cloned().unwrap_or_default(), all.join(", "))
+        };
         match self {
             Mistake::Affine { columns, words, .. } => {
-                let names: Vec<String> = columns.iter().map(|k| name(*k)).collect();
-                let all = names.join(", ");
-                let first = names.into_iter().next().unwrap_or_default();
+                let (first, all) = names(columns);
                 (
                     first,
                     format!("{all} in {files} contradict the model, which {words} would agree with"),
@@ -165,12 +197,19 @@ impl Mistake {
                 );
                 (a.clone(), reason, format!("exchange the columns {a} and {b}"))
             }
-            Mistake::Rise(k) => {
+            Mistake::Rise(columns) => {
+                let (first, all) = names(columns);
                 let reason = format!(
-                    "{} in {files} contradicts the model, which rises over ambient would agree with",
-                    name(*k)
+                    "{all} in {files} contradict the model, which rises over ambient would agree with"
                 );
-                (name(*k), reason, "add the ambient temperature to the column".to_string())
+                (first, reason, format!("add the ambient temperature to {all}"))
+            }
+            Mistake::Reversed(columns) => {
+                let (first, all) = names(columns);
+                let reason = format!(
+                    "{all} in {files} contradict the model, which rises over ambient with the opposite sign would agree with"
+                );
+                (first, reason, format!("exchange the wires of the thermocouple of {all}"))
             }
             Mistake::Heated(k) => {
                 let reason = format!(
@@ -232,12 +271,13 @@ impl Mistake {
     }
 }
 
+fn is_ambient(channel: &Channel) -> bool {
+    channel.input == Some("ambient_temperature")
+}
+
 fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
     experiment.inputs.iter().chain(&experiment.outputs).copied().collect()
 }
-
-/// Two units with factors or offsets that differ by less are the same. Numerical: rounding of the factors.
-const SAME: f64 = 1e-3;
 
 /// Longest lag of an input, and time constant of the AC coupling of an output, that is tried, as a fraction of the run. Limit: the readings
 /// behind a longer lag are nearly constant, and the time constant of a housing is not much shorter than a run: an effect that follows its
@@ -249,77 +289,6 @@ const SHORTEST: f64 = 0.25;
 
 /// Ratio of two time constants of AC coupling that are tried. Numerical: what is added to the readings is then known to 9 %.
 const FINE: f64 = 1.19;
-
-/// Minutes in a radian per second. Definition: 60 s / 2 pi.
-const TURNS: f64 = 30.0 / std::f64::consts::PI;
-
-/// Factor and offset in SI units of all unit mistakes for a quantity, with a description of the readings.
-fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
-    let mut all: Vec<(f64, f64, String)> = Vec::new();
-    let contract = |name: &str| match of {
-        Unit::Kelvin => name == "degC",
-        _ => names(of).first() == Some(&name),
-    };
-    let mut add = |factor: f64, offset: f64, words: String| {
-        let same =
-            |(a, b, _): &&(f64, f64, String)| (a / factor - 1.0).abs() < SAME && (b - offset).abs() < SAME;
-        if !((factor - 1.0).abs() < SAME && offset.abs() < SAME) && all.iter().find(same).is_none() {
-            all.push((factor, offset, words));
-        }
-    };
-    let known = units(of);
-    if known.is_empty() {
-        return all;
-    }
-    add(-1.0, if of == Unit::Kelvin { 2.0 * CELSIUS } else { 0.0 }, "the opposite sign".to_string());
-    // Mistakes from the contract's own unit come first: their description is the simplest.
-    let pairs = || known.iter().flat_map(|stated| known.iter().map(move |meant| (stated, meant)));
-    for plain in [true, false] {
-        for ((as_stated, stated), (as_meant, meant)) in pairs().filter(|(s, _)| contract(s.0) == plain) {
-            let factor = meant.factor / stated.factor;
-            // Two foreign units that differ by less than a sensor's gain or a missing effect are no explanation of their own.
-            if !plain && (1.0 / (1.0 + PART)..=1.0 + PART).contains(&factor) && of != Unit::Kelvin {
-                continue;
-            }
-            let words = if plain {
-                format!("readings in {as_meant}")
-            } else {
-                format!("readings times {factor:.4} (as of {as_meant} and {as_stated})")
-            };
-            add(factor, meant.offset - factor * stated.offset, words);
-        }
-    }
-    if of == Unit::NewtonMetre {
-        // P = 2 pi / 60 n M with the speed in 1/min, as in tables of machines.
-        for factor in [TURNS, 1.0 / TURNS] {
-            add(factor, 0.0, format!("readings times {factor:.4} (the factor 9.549 between N.m and W min)"));
-        }
-    }
-    let powers: &[i32] =
-        if of == Unit::Kelvin { &[-1, 1] } else { &[-6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6] };
-    for &power in powers {
-        let factor = 10f64.powi(power);
-        let offset = if of == Unit::Kelvin { CELSIUS * (1.0 - factor) } else { 0.0 };
-        add(factor, offset, format!("readings times 1e{power}"));
-    }
-    if matches!(of, Unit::Volt | Unit::Ampere) {
-        // Amplitude, root mean square and peak to peak; line and phase.
-        for factor in [2f64.sqrt(), 3f64.sqrt(), 2.0, 8f64.sqrt(), 1.5, 6f64.sqrt()] {
-            for factor in [factor, 1.0 / factor] {
-                add(
-                    factor,
-                    0.0,
-                    format!("readings times {factor:.4} (amplitude, root mean square; line, phase)"),
-                );
-            }
-        }
-    }
-    if of == Unit::RadianPerSecond {
-        // Electrical and mechanical speed of a motor with pole pairs.
-        (2..=16).for_each(|pairs| add(1.0 / f64::from(pairs), 0.0, format!("speeds of {pairs} pole pairs")));
-    }
-    all
-}
 
 /// What a column was before a first-order lag, if it was constant between the rows: (x_k - a x_{k-1}) / (1 - a), a = exp(-h / tau). Blank
 /// readings stay blank.
@@ -368,7 +337,14 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
             found.push(Mistake::Affine { columns: vec![k], factor, offset, words });
         }
         if channel.is_temperature() {
-            found.push(if channel.input.is_some() { Mistake::Heated(k) } else { Mistake::Rise(k) });
+            match channel.input {
+                Some(_) => found.push(Mistake::Heated(k)),
+                None => found.extend([Mistake::Rise(vec![k]), Mistake::Reversed(vec![k])]),
+            }
+        }
+        if channel.unit == Unit::One {
+            let words = "one minus the readings".to_string();
+            found.push(Mistake::Affine { columns: vec![k], factor: -1.0, offset: 1.0, words });
         }
         found.extend((0..k).map(|other| Mistake::Swap(other, k)));
         let is_load = !channel.is_temperature() && !matches!(channel.unit, Unit::One | Unit::Pascal);
@@ -389,12 +365,19 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
             quantities.push(channel.unit);
         }
     }
-    // Columns of one quantity usually come from one logger.
+    // Columns of one quantity usually come from one logger; the ambient temperature may come from another one.
     for unit in quantities {
         let columns: Vec<usize> = (0..all.len()).filter(|k| all[*k].unit == unit).collect();
-        if columns.len() > 1 {
-            for (factor, offset, words) in unit_mistakes(unit) {
-                found.push(Mistake::Affine { columns: columns.clone(), factor, offset, words });
+        let of_motor: Vec<usize> = columns.iter().copied().filter(|k| !is_ambient(all[*k])).collect();
+        let is_other = unit == Unit::Kelvin && of_motor.len() > 1;
+        if is_other {
+            found.extend([Mistake::Rise(of_motor.clone()), Mistake::Reversed(of_motor.clone())]);
+        }
+        for columns in [columns, if is_other { of_motor } else { Vec::new() }] {
+            if columns.len() > 1 {
+                for (factor, offset, words) in unit_mistakes(unit) {
+                    found.push(Mistake::Affine { columns: columns.clone(), factor, offset, words });
+                }
             }
         }
     }

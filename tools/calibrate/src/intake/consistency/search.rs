@@ -54,7 +54,7 @@ pub(super) fn search(
     let mut predicted = predicted.clone();
     // Each mistake with the others that explain the data as well.
     let mut found: Vec<Vec<Mistake>> = Vec::new();
-    let mut cost = fitted(judge, &at)?;
+    let (mut cost, mut stretched) = (fitted(judge, &at)?, 0.0);
     while found.len() < MOST && !cost.is_cut {
         let mut best = likely(judge, &at, &predicted)?;
         let known: Vec<usize> = found.iter().flat_map(|one| one[0].touches()).collect();
@@ -62,6 +62,9 @@ pub(super) fn search(
         let Some((as_meant, one, others)) = confirmed(judge, &at, &cost, best)? else { break };
         found.push(std::iter::once(one.mistake).chain(others).collect());
         (at, predicted, cost) = (one.data, one.shown, as_meant);
+        // What comes next changes these data.
+        let stretch = found[found.len() - 1][0].stretch(experiment.inputs.len());
+        (cost.width, stretched) = (cost.width + stretch, stretched + stretch);
     }
     if found.is_empty() {
         return Ok(None);
@@ -69,7 +72,9 @@ pub(super) fn search(
     let (mut reasons, mut suggestions, mut channel) = (Vec::new(), Vec::new(), None);
     for own in &found {
         let (column, mut reason, suggestion) = own[0].words(experiment, files);
-        let others: Vec<&str> = own[1..].iter().filter_map(Mistake::change).collect();
+        let mut others: Vec<&str> = own[1..].iter().filter_map(Mistake::change).collect();
+        others.retain(|other| Some(*other) != own[0].change());
+        others.dedup();
         if !others.is_empty() {
             reason = format!("{reason} (equally {})", others.join(", "));
         }
@@ -77,6 +82,7 @@ pub(super) fn search(
         suggestions.push(suggestion);
         channel.get_or_insert(column);
     }
+    cost.width -= stretched;
     for (name, value, own) in other_values(judge, experiment, &cost)? {
         reasons.push(format!("{name} = {value:.4} instead of {own:.4} would explain the data as well"));
         suggestions.push(format!("check the value of {name} in [set] and [prior]"));
@@ -161,7 +167,7 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
         if !is_possible(&data, mistake) {
             return None;
         }
-        let is_simulated = mistake.is_simulated(inputs);
+        let is_simulated = mistake.is_simulated(at);
         let shown = if is_simulated { judge.predicted(&data) } else { predicted.clone() };
         let after = score(&agreement(&data, &shown, is_simulated));
         let score = after - score(&before[usize::from(is_simulated)]);
@@ -169,14 +175,14 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
     };
     let mut best: Vec<Changed> = Vec::new();
     let is_better = |one: &Changed| {
-        let is_simulated = one.mistake.is_simulated(inputs);
+        let is_simulated = one.mistake.is_simulated(at);
         let after = agreement(&one.data, &one.shown, is_simulated);
         one.score < -FALL
             && (one.mistake.is_partial() || agrees_more(&before[usize::from(is_simulated)], &after))
     };
     let candidates = mistakes(at);
     // Outputs first, because they need no simulation; then inputs; an arbitrary factor if no usual mistake explains the data.
-    for mistake in candidates.iter().filter(|m| !m.is_simulated(inputs)) {
+    for mistake in candidates.iter().filter(|m| !m.is_simulated(at)) {
         // Upper bound of the gain: full agreement of the affected outputs.
         let own =
             mistake.touches().into_iter().filter_map(|k| before[0].get(k.checked_sub(inputs)?).copied()?);
@@ -186,9 +192,7 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
         }
     }
     let worst_now = worst(&before[1]);
-    for mistake in
-        candidates.iter().filter(|m| m.is_simulated(inputs) && (worst_now >= PART || m.is_partial()))
-    {
+    for mistake in candidates.iter().filter(|m| m.is_simulated(at) && (worst_now >= PART || m.is_partial())) {
         best.extend(changed(mistake).filter(is_better));
     }
     for (k, output) in before[0].iter().enumerate() {
@@ -240,7 +244,8 @@ fn confirmed(
     let inputs = at.inputs.len();
     let mut all: Vec<(f64, Cost, Changed)> = Vec::new();
     for one in best {
-        let as_meant = fitted(judge, &one.data)?;
+        let mut as_meant = fitted(judge, &one.data)?;
+        as_meant.width -= one.mistake.stretch(inputs);
         // An output that implies an input is not evidence: both costs are computed without it.
         let without = match one.mistake {
             Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(at, judge.runs, by))?),
@@ -252,10 +257,12 @@ fn confirmed(
         }
         let is_better =
             without.as_ref().unwrap_or(as_is).is_worse_than(&as_meant, one.mistake.factor(), None);
-        if is_better && as_meant.whole() <= judge.most {
+        // What changes the level alone is a hypothesis about one number, which a missing effect confirms in part: it has to leave nothing.
+        let is_whole = !one.mistake.is_level(at) || as_meant.agrees(as_is);
+        if is_better && is_whole && as_meant.whole() <= judge.most {
             // As if the output that is no evidence agreed to within the structure error.
             let of_output = if without.is_some() { SAMPLES * judge.runs.len() as f64 } else { 0.0 };
-            all.push((as_meant.whole() + of_output, as_meant, one));
+            all.push((as_meant.whole() + as_meant.wider_than(as_is) + of_output, as_meant, one));
         }
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -267,7 +274,7 @@ fn confirmed(
         let (_, as_meant, one) = rest.remove(0);
         let mut is_sensor = false;
         // A failed sensor of one output contradicts the same rows; it leaves the other outputs in agreement.
-        if one.mistake.is_simulated(inputs) {
+        if one.mistake.is_simulated(at) {
             for k in (0..at.outputs.len()).filter(|k| !one.mistake.touches().contains(&(inputs + k))) {
                 let alone = fitted(judge, &blanked(at, judge.runs, inputs + k))?;
                 is_sensor |= !alone.is_cut && as_meant.is_worse_than(&alone, FACTOR, Some(k));

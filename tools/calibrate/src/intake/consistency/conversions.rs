@@ -1,0 +1,95 @@
+//! Conversions of a column that its recording may lack: units, signs, powers of ten.
+
+use crate::experiment::CELSIUS;
+use crate::experiment::units::{names, units};
+use crate::levels::PART;
+use physics::declare::Unit;
+
+/// Two units with factors or offsets that differ by less are the same. Numerical: rounding of the factors.
+const SAME: f64 = 1e-3;
+
+/// The conversion by -1, in words.
+pub const SIGN: &str = "the opposite sign";
+/// Degrees Fahrenheit in a kelvin. Definition: of the degree; t degC are 1.8 t + 32 of them.
+const FAHRENHEIT: f64 = 1.8;
+/// Resistance of a platinum thermometer at 0 degC, Ohm, and its change per kelvin. Definition: IEC 60751, Pt100.
+const PT100: (f64, f64) = (100.0, 0.385);
+
+/// Minutes in a radian per second. Definition: 60 s / 2 pi.
+const TURNS: f64 = 30.0 / std::f64::consts::PI;
+
+/// Factor and offset in SI units of all unit mistakes for a quantity, with a description of the readings.
+pub fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
+    let mut all: Vec<(f64, f64, String)> = Vec::new();
+    let contract = |name: &str| match of {
+        Unit::Kelvin => name == "degC",
+        _ => names(of).first() == Some(&name),
+    };
+    let mut add = |factor: f64, offset: f64, words: String| {
+        let same =
+            |(a, b, _): &&(f64, f64, String)| (a / factor - 1.0).abs() < SAME && (b - offset).abs() < SAME;
+        if !((factor - 1.0).abs() < SAME && offset.abs() < SAME) && all.iter().find(same).is_none() {
+            all.push((factor, offset, words));
+        }
+    };
+    let known = units(of);
+    if known.is_empty() {
+        return all;
+    }
+    add(-1.0, if of == Unit::Kelvin { 2.0 * CELSIUS } else { 0.0 }, SIGN.to_string());
+    // Mistakes from the contract's own unit come first: their description is the simplest.
+    let pairs = || known.iter().flat_map(|stated| known.iter().map(move |meant| (stated, meant)));
+    for plain in [true, false] {
+        for ((as_stated, stated), (as_meant, meant)) in pairs().filter(|(s, _)| contract(s.0) == plain) {
+            let factor = meant.factor / stated.factor;
+            // Two foreign units that differ by less than a sensor's gain or a missing effect are no explanation of their own.
+            if !plain && (1.0 / (1.0 + PART)..=1.0 + PART).contains(&factor) && of != Unit::Kelvin {
+                continue;
+            }
+            let words = if plain {
+                format!("readings in {as_meant}")
+            } else {
+                format!("readings times {factor:.4} (as of {as_meant} and {as_stated})")
+            };
+            add(factor, meant.offset - factor * stated.offset, words);
+        }
+    }
+    if of == Unit::NewtonMetre {
+        // P = 2 pi / 60 n M with the speed in 1/min, as in tables of machines.
+        for factor in [TURNS, 1.0 / TURNS] {
+            add(factor, 0.0, format!("readings times {factor:.4} (the factor 9.549 between N.m and W min)"));
+        }
+    }
+    if of == Unit::Kelvin {
+        let mut in_degrees = |factor: f64, offset: f64, words: &str| {
+            add(factor, CELSIUS + factor * (offset - CELSIUS), words.to_string());
+        };
+        in_degrees(FAHRENHEIT, 0.0, "readings times 1.8 (as of degF without the 32)");
+        in_degrees(1.0 / FAHRENHEIT, 0.0, "readings divided by 1.8 (as of degF without the 32)");
+        in_degrees(1.0 / PT100.1, -PT100.0, "readings in Ohm of a Pt100");
+    }
+    let powers: &[i32] =
+        if of == Unit::Kelvin { &[-1, 1] } else { &[-6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6] };
+    for &power in powers {
+        let factor = 10f64.powi(power);
+        let offset = if of == Unit::Kelvin { CELSIUS * (1.0 - factor) } else { 0.0 };
+        add(factor, offset, format!("readings times 1e{power}"));
+    }
+    if matches!(of, Unit::Volt | Unit::Ampere) {
+        // Amplitude, root mean square and peak to peak; line and phase.
+        for factor in [2f64.sqrt(), 3f64.sqrt(), 2.0, 8f64.sqrt(), 1.5, 6f64.sqrt()] {
+            for factor in [factor, 1.0 / factor] {
+                add(
+                    factor,
+                    0.0,
+                    format!("readings times {factor:.4} (amplitude, root mean square; line, phase)"),
+                );
+            }
+        }
+    }
+    if of == Unit::RadianPerSecond {
+        // Electrical and mechanical speed of a motor with pole pairs.
+        (2..=16).for_each(|pairs| add(1.0 / f64::from(pairs), 0.0, format!("speeds of {pairs} pole pairs")));
+    }
+    all
+}

@@ -1,0 +1,72 @@
+//! Two columns with the same readings: one sensor that was recorded twice.
+//!
+//! Two sensors have noise of their own, and the nodes of a motor differ by their heat flow. Readings that are equal in nearly all rows in which
+//! either changes are therefore those of one sensor; which one, the readings do not say.
+
+use super::Unusable;
+use crate::experiment::Experiment;
+use crate::levels::NEARLY;
+
+/// Fewest rows with a change that are compared. Derivation: two thermometers with a coarse resolution may take the same few steps by chance.
+const CHANGES: usize = 30;
+
+/// Columns of one quantity that repeat each other in a run.
+pub fn repeated(experiment: &Experiment) -> Option<Unusable> {
+    let channels: Vec<_> = experiment.inputs.iter().chain(&experiment.outputs).collect();
+    let pairs = (0..channels.len()).flat_map(|k| (0..k).map(move |other| (other, k)));
+    let alike: Vec<(usize, usize)> = pairs.filter(|(a, b)| channels[*a].unit == channels[*b].unit).collect();
+    experiment.runs.iter().find_map(|run| {
+        let same = |(a, b): &&(usize, usize)| is_copy(&run.table.columns[*a], &run.table.columns[*b]);
+        let (a, b) = alike.iter().find(same)?;
+        let [first, second] = [a, b].map(|k| channels[*k].column);
+        Some(Unusable {
+            channel: second.to_string(),
+            reason: format!(
+                "{second} in {} has the same readings as {first}, which two sensors never have",
+                run.file
+            ),
+            suggestion: format!(
+                "check which sensor {first} and {second} are of; leave one of the columns out"
+            ),
+        })
+    })
+}
+
+/// Whether two columns are equal in nearly all rows in which either changes.
+fn is_copy(a: &[f64], b: &[f64]) -> bool {
+    let rows: Vec<(f64, f64)> =
+        a.iter().copied().zip(b.iter().copied()).filter(|(x, y)| (x + y).is_finite()).collect();
+    let moves: Vec<&[(f64, f64)]> =
+        rows.windows(2).filter(|w| w[0].0 != w[1].0 || w[0].1 != w[1].1).collect();
+    let equal = moves.iter().filter(|w| w[1].0 == w[1].1).count();
+    moves.len() >= CHANGES && equal as f64 > NEARLY * moves.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::intake::tests::{HOUSING, VOLTAGE, WINDING, column, experiment};
+
+    #[test]
+    fn a_column_that_repeats_another_is_unusable() {
+        let mut good = experiment(41);
+        assert_eq!(repeated(&good), None);
+        // A logger that rounds: both thermometers take the same value now and then.
+        for k in [WINDING, HOUSING] {
+            column(&mut good, k).iter_mut().for_each(|x| *x = x.round());
+        }
+        assert_eq!(repeated(&good), None);
+        for (of, into) in [(WINDING, HOUSING), (HOUSING, WINDING), (3, HOUSING)] {
+            let mut copied = experiment(42);
+            let noisy = |k: usize| 296.0 + 0.1 * (k as f64).sin();
+            column(&mut copied, 3).iter_mut().enumerate().for_each(|(k, x)| *x = noisy(k));
+            let own = column(&mut copied, of).clone();
+            *column(&mut copied, into) = own;
+            assert!(repeated(&copied).is_some(), "{of} {into}");
+        }
+        let mut other = experiment(43);
+        let own = column(&mut other, WINDING).clone();
+        *column(&mut other, VOLTAGE) = own;
+        assert_eq!(repeated(&other), None, "another quantity");
+    }
+}
