@@ -29,6 +29,7 @@ use crate::undeclared::better_than_effects;
 use judgement::BOXES;
 pub use judgement::Judgement;
 use physics::terms::Port;
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -461,12 +462,8 @@ impl<'a> Search<'a> {
         };
         let mut all: Vec<Localised> = Port::ALL.iter().filter_map(of).collect();
         all.sort_by(|a, b| b.share.total_cmp(&a.share));
-        let mut known: Vec<&str> = Vec::new();
-        all.retain(|one| {
-            let is_new = !known.contains(&one.port.quantity());
-            known.push(one.port.quantity());
-            is_new
-        });
+        let mut known = HashSet::new();
+        all.retain(|one| known.insert(one.port.quantity()));
         all
     }
 }

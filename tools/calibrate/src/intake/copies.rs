@@ -20,9 +20,9 @@ pub fn repeated(experiment: &Experiment) -> Option<Unusable> {
         let (a, b) = alike.iter().find(same)?;
         let [first, second] = [a, b].map(|k| channels[*k].column);
         Some(Unusable {
-            channel: second.to_string(),
+            channel: first.to_string(),
             reason: format!(
-                "{second} in {} has the same readings as {first}, which two sensors never have",
+                "{first} and {second} in {} have the same readings, which two sensors never have",
                 run.file
             ),
             suggestion: format!(

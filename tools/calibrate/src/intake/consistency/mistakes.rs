@@ -7,7 +7,7 @@ use crate::levels::FACTOR;
 use physics::declare::Unit;
 
 /// Hypothetical mistake: a change of the data.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Mistake {
     /// Columns are converted by factor * x + offset, in SI units.
     Affine { columns: Vec<usize>, factor: f64, offset: f64, words: String },

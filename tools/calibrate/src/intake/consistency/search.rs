@@ -72,9 +72,7 @@ pub(super) fn search(
     let (mut reasons, mut suggestions, mut channel) = (Vec::new(), Vec::new(), None);
     for own in &found {
         let (column, mut reason, suggestion) = own[0].words(experiment, files);
-        let mut others: Vec<&str> = own[1..].iter().filter_map(Mistake::change).collect();
-        others.retain(|other| Some(*other) != own[0].change());
-        others.dedup();
+        let others: Vec<&str> = own[1..].iter().filter_map(Mistake::change).collect();
         if !others.is_empty() {
             reason = format!("{reason} (equally {})", others.join(", "));
         }
@@ -214,8 +212,10 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
     }
     shortlist(&mut best);
     // Exchanged thermometers, or a common wrong unit, hardly change the shapes.
-    let alike = candidates.iter().filter(|m| m.is_alike(at)).filter_map(changed);
-    best.extend(alike.filter(|one| one.score < FALL));
+    let is_new = |m: &&Mistake| !best.iter().any(|one| one.mistake == **m);
+    let alike = candidates.iter().filter(|m| m.is_alike(at)).filter(is_new).filter_map(changed);
+    let alike: Vec<Changed> = alike.filter(|one| one.score < FALL).collect();
+    best.extend(alike);
     best.extend(unmeasured::of(judge, at, predicted, &before[1]));
     Ok(best)
 }
@@ -292,10 +292,7 @@ fn confirmed(
 /// Place of a mistake in the list of all.
 fn place(mistake: &Mistake, at: &Experiment) -> usize {
     let all = mistakes(at);
-    let same = |other: &Mistake| {
-        other.touches() == mistake.touches() && other.words(at, "").1 == mistake.words(at, "").1
-    };
-    all.iter().position(same).unwrap_or(all.len())
+    all.iter().position(|other| other == mistake).unwrap_or(all.len())
 }
 
 /// The better agreement of two predictions, output by output.

@@ -70,7 +70,7 @@ fn a_mistake_in_both_thermometers_is_named() {
         }
         let reason = reason(&mut wrong);
         let both = "winding_temperature_degC, housing_temperature_degC in every run";
-        // The rises of both differ as little from temperatures in a room at 2 degC.
+        // The rises of both differ as little from temperatures at an ambient temperature of 2 degC.
         let is_named = reason.contains(both) && reason.contains(words);
         assert!(
             is_named || words.starts_with("rises") && reason.contains("ambient_temperature"),
@@ -79,7 +79,7 @@ fn a_mistake_in_both_thermometers_is_named() {
     }
 }
 
-/// A logger that starts late, a spike, a thermometer in the room: the rest of the run is used.
+/// A logger that starts late, a spike, a thermometer at ambient temperature: the rest of the run is used.
 #[test]
 fn first_rows_from_before_the_logger_worked_are_set_aside() {
     for (rows, read) in [(1, CELSIUS), (1, 403.15), (3, 403.15), (8, 296.15)] {
