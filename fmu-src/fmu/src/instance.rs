@@ -66,6 +66,8 @@ pub struct Instance {
     pub has_warned: bool,
     /// Ratio of the importer's tolerance to [`DEFAULT_TOLERANCE`].
     tolerance: f64,
+    /// Length of the last step of the model, s; 0 before the first.
+    last_step: f64,
     /// Output buffer: states, derivatives, event indicators.
     buffer: Vec<f64>,
     report: Report,
@@ -138,6 +140,7 @@ impl Instance {
             saturation: Saturation::new(declaration),
             has_warned: false,
             tolerance: 1.0,
+            last_step: 0.0,
             buffer: vec![0.0; declaration.states.len().max(declaration.indicators.len())],
             report: Report::new(declaration),
             saved_states: SavedStates::default(),
@@ -300,6 +303,7 @@ impl Instance {
         self.count();
         self.window = (0.0, f64::INFINITY);
         self.tolerance = 1.0;
+        self.last_step = 0.0;
         self.unsettled = true;
         self.log_transition("reset");
         self.go(Mode::Instantiated);
@@ -340,7 +344,10 @@ impl Instance {
     #[inline]
     fn take_step(&mut self, at: f64, h: f64) -> Outcome {
         match self.model.step(at, h) {
-            Ok(()) => Ok(()),
+            Ok(()) => {
+                self.last_step = h;
+                Ok(())
+            }
             Err(fault) => Err(self.halted(fault)),
         }
     }

@@ -6,7 +6,7 @@ use physics::declare::Causality;
 use physics::model::Model;
 
 /// First bytes of every serialized state; the digit is the version of the format.
-const MAGIC: &[u8; 8] = b"motorfm6";
+const MAGIC: &[u8; 8] = b"motorfm7";
 
 /// Number of bytes of the checksum after it.
 const CHECKSUM: usize = size_of::<u32>();
@@ -30,15 +30,18 @@ pub struct Saved {
     pub window: (f64, f64),
     /// Ratio of the importer's tolerance to the default tolerance.
     pub tolerance: f64,
+    /// Length of the last step, s; 0 before the first.
+    pub last_step: f64,
     /// Pre values of the discrete outputs, if the importer uses event mode.
     pub discrete_pre: Vec<f64>,
 }
 
 impl Saved {
     /// Serializes the state: magic, checksum of the rest, interface, mode, token, count of numbers, and the numbers: start and stop time,
-    /// tolerance, number of discrete outputs, their pre values, the model.
+    /// tolerance, last step, number of discrete outputs, their pre values, the model.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut numbers = vec![self.window.0, self.window.1, self.tolerance, self.discrete_pre.len() as f64];
+        let (window, discrete) = (self.window, self.discrete_pre.len() as f64);
+        let mut numbers = vec![window.0, window.1, self.tolerance, self.last_step, discrete];
         numbers.extend(&self.discrete_pre);
         self.model.save(&mut numbers);
         let token = self.model.declaration().token.as_bytes();
@@ -85,12 +88,21 @@ impl Saved {
             .map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default()))
             .collect();
         let mut model = like.boxed_clone();
-        let (window, tolerance, discrete_pre, numbers) = parts(&numbers).ok_or_else(|| bad("is damaged"))?;
-        let usual = tolerance > 0.0 && tolerance.is_finite();
+        let (window, [tolerance, last_step], discrete_pre, numbers) =
+            parts(&numbers).ok_or_else(|| bad("is damaged"))?;
+        let usual = tolerance > 0.0 && tolerance.is_finite() && last_step >= 0.0 && last_step.is_finite();
         if !usual || !rest.is_empty() || !model.restore(numbers) || !is_sound(model.as_mut()) {
             return Err(bad("is damaged"));
         }
-        Ok(Saved { model, interface, mode, window, tolerance, discrete_pre: discrete_pre.to_vec() })
+        Ok(Saved {
+            model,
+            interface,
+            mode,
+            window,
+            tolerance,
+            last_step,
+            discrete_pre: discrete_pre.to_vec(),
+        })
     }
 }
 
@@ -104,12 +116,12 @@ fn is_sound(model: &mut dyn Model) -> bool {
     })
 }
 
-/// Start and stop time, s, tolerance factor, pre values of the discrete outputs, and numbers of the model.
-type Parts<'a> = ((f64, f64), f64, &'a [f64], &'a [f64]);
+/// Start and stop time, s, tolerance factor and last step, pre values of the discrete outputs, and numbers of the model.
+type Parts<'a> = ((f64, f64), [f64; 2], &'a [f64], &'a [f64]);
 
 fn parts(numbers: &[f64]) -> Option<Parts<'_>> {
-    let (&[start, stop, tolerance, count], rest) = numbers.split_first_chunk()?;
+    let (&[start, stop, tolerance, last_step, count], rest) = numbers.split_first_chunk()?;
     // An invalid count is converted to a wrong number, which then does not match the length of the model's data.
     let (discrete_pre, model) = rest.split_at_checked(count as usize)?;
-    Some(((start, stop), tolerance, discrete_pre, model))
+    Some(((start, stop), [tolerance, last_step], discrete_pre, model))
 }

@@ -17,6 +17,7 @@ mod memory;
 mod remembered;
 mod saturation;
 mod saved;
+mod settled;
 mod states;
 mod stepping;
 mod terms;

@@ -12,7 +12,10 @@
 //! of fans and the network do not. Differences are independent of the implementation of an effect.
 //! *Source*: Ridders, Adv. Eng. Software 4 (1982) 75-76; Wynn, Math. Tables Aids Comput. 10 (1956) 91-96.
 
+mod settled;
+
 use crate::model::{Model, Slot};
+pub use settled::Reached;
 
 /// Largest increment, relative to a variable's size.
 pub const WAY: f64 = 1e-2;

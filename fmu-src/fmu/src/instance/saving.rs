@@ -53,12 +53,14 @@ impl Instance {
                 mode: self.mode,
                 window: self.window,
                 tolerance: self.tolerance,
+                last_step: self.last_step,
                 discrete_pre: self.discrete_pre.clone(),
             }));
         }
         let saved = self.saved_states.get_mut(handle)?;
         saved.model.copy_from(self.model.as_ref());
         (saved.mode, saved.window, saved.tolerance) = (self.mode, self.window, self.tolerance);
+        saved.last_step = self.last_step;
         saved.discrete_pre.clone_from(&self.discrete_pre);
         Ok(handle)
     }
@@ -70,6 +72,7 @@ impl Instance {
         let mode = saved.mode;
         self.model.copy_from(saved.model.as_ref());
         (self.window, self.tolerance, self.unsettled) = (saved.window, saved.tolerance, true);
+        self.last_step = saved.last_step;
         let has_discrete = saved.discrete_pre.len() == self.discrete_pre.len();
         if has_discrete {
             self.discrete_pre.clone_from(&saved.discrete_pre);

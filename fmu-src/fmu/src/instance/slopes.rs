@@ -3,8 +3,8 @@
 use super::{Instance, Interface, Mode, Type};
 use crate::refusal::{Outcome, Refused};
 use physics::declare::{Causality, Kind, Unit, Variability};
-use physics::model::{Entry, Slot, TIME};
-use physics::slopes::{Known, Move, Slope, Slopes, Unknown};
+use physics::model::{Entry, Slot, TIME, TOLERANCE};
+use physics::slopes::{Known, Move, Reached, Slope, Slopes, Unknown};
 
 /// Modes in which derivatives may be requested.
 const READABLE: &[Mode] =
@@ -91,10 +91,16 @@ impl Instance {
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let mut moves =
             vec![Move { known: Known::Time, at: self.model.time(), seed: 1.0, size: 1.0, limits: free }];
-        for (k, (&[state, _], &seed)) in declaration.states.iter().zip(&rates).enumerate() {
-            let entry = &declaration.entries[state];
-            let at = self.model.get(entry.slot);
-            moves.push(Move { known: Known::State(k), at, seed, size: entry.row.nominal, limits: free });
+        let states: Vec<Reached> = (declaration.states.iter().zip(&rates))
+            .map(|(&[state, _], &rate)| (&declaration.entries[state], rate))
+            .map(|(entry, rate)| Reached { at: self.model.get(entry.slot), size: entry.row.nominal, rate })
+            .collect();
+        if self.last_step > 0.0 {
+            let (h, tolerance) = (self.last_step, self.tolerance * TOLERANCE);
+            rates = self.with_slopes(|slopes| slopes.settled(&states, h, tolerance));
+        }
+        for (k, (state, &seed)) in states.iter().zip(&rates).enumerate() {
+            moves.push(Move { known: Known::State(k), at: state.at, seed, size: state.size, limits: free });
         }
         let mut out = self.slopes(&moves, &unknowns)?;
         let powers = declaration.states.iter().zip(&rates);
@@ -173,12 +179,25 @@ impl Instance {
         energies.map(|entry| self.model.get(entry.slot).abs()).fold(0.0, f64::max)
     }
 
+    /// Derivatives at the present point, of the equations of Model Exchange also in Co-Simulation.
+    fn with_slopes<T>(&mut self, find: impl FnOnce(&mut Slopes<'_>) -> T) -> T {
+        let scratch = self.scratch.get_or_insert_with(|| self.model.boxed_clone());
+        let restart = (self.mode == Mode::Initialization).then_some(self.window.0);
+        let reached = self.interface == Interface::CoSimulation;
+        let mut handed = None;
+        if reached {
+            let model = handed.insert(self.model.boxed_clone());
+            model.enter_model_exchange();
+            model.accept_step();
+        }
+        let base = handed.as_ref().unwrap_or(&self.model).as_ref();
+        find(&mut Slopes { base, scratch: scratch.as_mut(), reached, restart })
+    }
+
     fn slopes(&mut self, moves: &[Move], unknowns: &[&'static Entry]) -> Outcome<Vec<f64>> {
         // The energy balance residual is what is left of energies.
         let energy = self.largest_energy();
         let size = |entry: &Entry| if entry.name == RESIDUAL { energy } else { 0.0 }.max(entry.row.nominal);
-        let scratch = self.scratch.get_or_insert_with(|| self.model.boxed_clone());
-        let restart = (self.mode == Mode::Initialization).then_some(self.window.0);
         let asked: Vec<Unknown> =
             unknowns.iter().map(|entry| Unknown { slot: entry.slot, size: size(entry) }).collect();
         let seeded = moves.iter().filter(|m| m.seed != 0.0);
@@ -188,22 +207,16 @@ impl Instance {
                 slope.error <= RELATIVE * slope.value.abs() || slope.error * way <= OF_NOMINAL * size(entry);
             !settled
         };
-        let stepping = self.interface == Interface::CoSimulation;
-        let mut handed = None;
-        if stepping {
-            let model = handed.insert(self.model.boxed_clone());
-            model.enter_model_exchange();
-            model.accept_step();
-        }
-        let base = handed.as_ref().unwrap_or(&self.model).as_ref();
-        let mut slopes = Slopes { base, scratch: scratch.as_mut(), reached: stepping, restart };
-        let mut found = slopes.along(moves, &asked);
         let good = |found: &[Slope]| !unknowns.iter().zip(found).any(|pair| doubtful(&pair));
-        if !good(&found) {
+        let found = self.with_slopes(|slopes| {
+            let found = slopes.along(moves, &asked);
+            if good(&found) {
+                return found;
+            }
             // At a row of a table the derivative is one-sided; at the end of a period rounding may leave time just before that row.
             let sides = [true, false].map(|is_ahead| slopes.one_sided(moves, &asked, is_ahead));
-            found = sides.into_iter().find(|side| good(side)).unwrap_or(found);
-        }
+            sides.into_iter().find(|side| good(side)).unwrap_or(found)
+        });
         if let Some((entry, slope)) = unknowns.iter().zip(&found).find(doubtful) {
             return Err(Refused::discard(format!(
                 "{} has no derivative in this direction at this point: the difference quotients do not converge; the best is {} (+-{}).",

@@ -222,9 +222,9 @@ impl Instance {
         // A pending event that the importer has not handled does not end the step again.
         let due = self.is_due();
         let before = copy(self.step_start.take(), self.model.as_ref());
-        if let Err(fault) = self.model.step(at, way) {
+        if let Err(refused) = self.take_step(at, way) {
             self.step_start = Some(before);
-            return Err(self.halted(fault));
+            return Err(refused);
         }
         let new = !due && self.is_due();
         let found = if new && self.part.early_return { self.find(before.as_ref(), at, way) } else { Ok(way) };
