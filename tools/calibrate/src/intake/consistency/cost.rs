@@ -15,8 +15,10 @@ use physics::declare::{Causality, Kind};
 /// Minimum of the cost over the declared parameters: by output, and of the priors.
 pub(super) struct Cost {
     outputs: Vec<f64>,
-    /// Sum of ln(sigma / |dx/dy|) over the outputs, y the readings as recorded and x those that were fitted.
-    pub(super) width: f64,
+    /// Sum of ln sigma over the outputs that were fitted.
+    width: f64,
+    /// Sum of ln |dx/dy| over the outputs, y the readings as recorded and x those that were fitted.
+    stretch: f64,
     /// Number of fitted runs.
     fitted: usize,
     pub(super) prior: f64,
@@ -37,12 +39,18 @@ impl Cost {
         Ok(Cost {
             outputs: setup.chi_squares(runs, &own),
             width: (0..setup.outputs()).map(|k| setup.sigma(k).ln()).sum(),
+            stretch: 0.0,
             fitted: runs.len(),
             prior: fitted.cost - fitted.chi_square,
             runs: all.iter().map(|r| of_run(setup, runs, *r, &shown[*r])).collect(),
             is_cut: setup.deadline().is_near(),
             best: Some(fitted),
         })
+    }
+
+    /// The same cost of outputs that are enlarged by mistakes: those of another cost, and one with this stretch.
+    pub(super) fn stretched(self, by: &Cost, and: f64) -> Cost {
+        Cost { stretch: by.stretch + and, ..self }
     }
 
     pub(super) fn whole(&self) -> f64 {
@@ -52,7 +60,8 @@ impl Cost {
     /// Difference of -2 ln p of the readings as recorded to that with another change of them, apart from the costs: a change that enlarges an
     /// output enlarges its structure error as well, and explains with it what it does not predict.
     pub(super) fn wider_than(&self, other: &Cost) -> f64 {
-        let wider = 2.0 * SAMPLES * self.fitted as f64 * (self.width - other.width);
+        let own = |cost: &Cost| cost.width - cost.stretch;
+        let wider = 2.0 * SAMPLES * self.fitted as f64 * (own(self) - own(other));
         if wider.is_finite() { wider } else { 0.0 }
     }
 
@@ -135,6 +144,7 @@ pub(super) fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, Cal
     Ok(cost.unwrap_or_else(|_| Cost {
         outputs: vec![f64::MAX; ready.setup.outputs()],
         width: f64::NAN,
+        stretch: 0.0,
         fitted: ready.own.len(),
         prior: 0.0,
         runs: vec![f64::INFINITY; experiment.runs.len()],

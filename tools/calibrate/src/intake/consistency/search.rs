@@ -54,7 +54,7 @@ pub(super) fn search(
     let mut predicted = predicted.clone();
     // Each mistake with the others that explain the data as well.
     let mut found: Vec<Vec<Mistake>> = Vec::new();
-    let (mut cost, mut stretched) = (fitted(judge, &at)?, 0.0);
+    let mut cost = fitted(judge, &at)?;
     while found.len() < MOST && !cost.is_cut {
         let mut best = likely(judge, &at, &predicted)?;
         let known: Vec<usize> = found.iter().flat_map(|one| one[0].touches()).collect();
@@ -62,9 +62,6 @@ pub(super) fn search(
         let Some((as_meant, one, others)) = confirmed(judge, &at, &cost, best)? else { break };
         found.push(std::iter::once(one.mistake).chain(others).collect());
         (at, predicted, cost) = (one.data, one.shown, as_meant);
-        // What comes next changes these data.
-        let stretch = found[found.len() - 1][0].stretch(experiment.inputs.len());
-        (cost.width, stretched) = (cost.width + stretch, stretched + stretch);
     }
     if found.is_empty() {
         return Ok(None);
@@ -80,7 +77,6 @@ pub(super) fn search(
         suggestions.push(suggestion);
         channel.get_or_insert(column);
     }
-    cost.width -= stretched;
     for (name, value, own) in other_values(judge, experiment, &cost)? {
         reasons.push(format!("{name} = {value:.4} instead of {own:.4} would explain the data as well"));
         suggestions.push(format!("check the value of {name} in [set] and [prior]"));
@@ -244,11 +240,12 @@ fn confirmed(
     let inputs = at.inputs.len();
     let mut all: Vec<(f64, Cost, Changed)> = Vec::new();
     for one in best {
-        let mut as_meant = fitted(judge, &one.data)?;
-        as_meant.width -= one.mistake.stretch(inputs);
+        let as_meant = fitted(judge, &one.data)?.stretched(as_is, one.mistake.stretch(inputs));
         // An output that implies an input is not evidence: both costs are computed without it.
         let without = match one.mistake {
-            Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(at, judge.runs, by))?),
+            Mistake::Unmeasured { by, .. } => {
+                Some(fitted(judge, &blanked(at, judge.runs, by))?.stretched(as_is, 0.0))
+            }
             _ => None,
         };
         // At the deadline the best of those that were confirmed is the answer; they come in the order of their scores.
@@ -276,7 +273,7 @@ fn confirmed(
         // A failed sensor of one output contradicts the same rows; it leaves the other outputs in agreement.
         if one.mistake.is_simulated(at) {
             for k in (0..at.outputs.len()).filter(|k| !one.mistake.touches().contains(&(inputs + k))) {
-                let alone = fitted(judge, &blanked(at, judge.runs, inputs + k))?;
+                let alone = fitted(judge, &blanked(at, judge.runs, inputs + k))?.stretched(as_is, 0.0);
                 is_sensor |= !alone.is_cut && as_meant.is_worse_than(&alone, FACTOR, Some(k));
             }
         }
