@@ -32,7 +32,7 @@ use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
 use physics::declare::Unit;
 use physics::model::Declaration;
-use signals::LEAST_JUMP;
+use signals::SENSOR_ERROR;
 
 /// Fewest rows of a run that can be fitted. Derivation: five rows have three second differences, the fewest with a median.
 const LEAST_ROWS: usize = 5;
@@ -301,7 +301,7 @@ fn start_elsewhere(experiment: &mut Experiment) -> Option<Unusable> {
             let off = |sign: f64| nodes.iter().all(|(_, off)| sign * off > least);
             nodes.len() > 1 && (off(1.0) || off(-1.0))
         };
-        if !is_off(LEAST_JUMP) {
+        if !is_off(SENSOR_ERROR) {
             continue;
         }
         let words: Vec<String> = nodes.iter().map(|(name, off)| format!("{name} by {off:.1} K")).collect();

@@ -4,7 +4,7 @@
 //! capacity; an effect on it has many sizes, and follows the load. Jumps are the changes between rows that a gap separates from all
 //! others,
 //!
-//! e_k = min(|c_k|, |c_k - c_(k-1)|, |c_k - c_(k+1)|),   e_(j+1) > [`FACTOR`] e_(j),   e_(j+1) > [`LEAST_JUMP`]           (1)
+//! e_k = min(|c_k|, |c_k - c_(k-1)|, |c_k - c_(k+1)|),   e_(j+1) > [`FACTOR`] e_(j),   e_(j+1) > [`SENSOR_ERROR`]           (1)
 //!
 //! c_k the change of the reading before row k, e_(1), e_(2), ... in ascending order: a heat that sets in or ends leaves one of the
 //! neighbouring changes equal. At most a tenth of the changes are jumps. They are of one kind if their sizes |c| differ by no more than
@@ -14,7 +14,7 @@
 //! *Source*: IEEE Std 1241-2010, Standard for Terminology and Test Methods for Analog-to-Digital Converters (missing codes, differential
 //! nonlinearity).
 
-use super::signals::{LEAST_JUMP, REPEATED, Readings, bound};
+use super::signals::{REPEATED, Readings, SENSOR_ERROR, bound};
 use super::{range, sorted};
 use crate::experiment::{Experiment, Run};
 use crate::levels::{FACTOR, SMALL};
@@ -76,7 +76,7 @@ fn jumps(column: &[f64]) -> Option<Jumps> {
     let ratio = |j: usize| all[j].0 / all[j - 1].0.max(f64::MIN_POSITIVE);
     let from = all.len() - (SMALL * all.len() as f64) as usize;
     let first = (from.max(1)..all.len()).max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)))?;
-    if ratio(first) <= FACTOR || all[first].0 <= LEAST_JUMP {
+    if ratio(first) <= FACTOR || all[first].0 <= SENSOR_ERROR {
         return None;
     }
     let ends = |of: &[(f64, usize)], size: &dyn Fn(f64) -> f64| {

@@ -11,7 +11,7 @@
 //!
 //! *Source*: detection of abrupt changes in a residual: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
 
-use super::signals::{JUMP, LEAST_JUMP};
+use super::signals::{JUMP, SENSOR_ERROR};
 use super::{median, range, sorted};
 use crate::experiment::{Experiment, Run};
 use crate::levels::{CERTAIN, FACTOR, PART};
@@ -104,7 +104,7 @@ fn rows(
     is_steady: &dyn Fn(usize, usize) -> bool,
 ) -> Vec<bool> {
     let off: Vec<f64> = read.iter().zip(model).map(|(y, p)| y - p).collect();
-    let least = least.max(LEAST_JUMP).max(JUMP * usual);
+    let least = least.max(SENSOR_ERROR).max(JUMP * usual);
     let mut bad = vec![false; time.len()];
     let departs = |pair: &(usize, usize)| {
         let size = change(&off, *pair).abs();
@@ -126,7 +126,7 @@ fn rows(
     let good = parts.iter().filter(|(a, b)| b - a >= LEAST_ROWS).map(|part| size(*part));
     let best = good.fold(f64::INFINITY, f64::min);
     let wrong: Vec<(usize, usize)> =
-        parts.into_iter().filter(|part| size(*part) > LEAST_JUMP.max(FACTOR * best)).collect();
+        parts.into_iter().filter(|part| size(*part) > SENSOR_ERROR.max(FACTOR * best)).collect();
     if wrong.is_empty() {
         return vec![false; time.len()];
     }

@@ -33,8 +33,8 @@ pub(super) const ALIKE: f64 = 0.5;
 const NEAR: usize = 10;
 /// A jump exceeds the channel's usual changes by this factor. Derivation: (1) for 7e4 readings.
 pub(super) const JUMP: f64 = 6.0;
-/// A jump is at least this many kelvin. Limit: error of a thermometer that works (thermocouple of class 2, IEC 60584-1).
-pub(super) const LEAST_JUMP: f64 = 2.5;
+/// Error of a thermometer that works, K; a jump is larger. Limit: thermocouple of class 2, IEC 60584-1.
+pub(super) const SENSOR_ERROR: f64 = 2.5;
 /// Fraction of a channel's changes that are not usual. Tuned: a run has fewer jumps.
 const RARE: f64 = 0.005;
 /// Fewest equal readings of a drop-out. Derivation: two readings of a fine sensor may be equal by chance, three are not.
@@ -173,7 +173,7 @@ fn code(column: &[f64]) -> Option<f64> {
         let (least, most) = (rest.first()?[0], rest.last()?[0]);
         let readings: usize = rest.iter().map(|r| r.len()).sum();
         let is_fine = 2 * rest.len() > readings && readings >= NEAR;
-        (code.len() >= REPEATED && is_fine && gap > LEAST_JUMP.max(0.5 * (most - least))).then_some(code[0])
+        (code.len() >= REPEATED && is_fine && gap > SENSOR_ERROR.max(0.5 * (most - least))).then_some(code[0])
     };
     let (first, above) = runs.split_first()?;
     let (last, below) = runs.split_last()?;
@@ -316,7 +316,7 @@ pub fn jumps(column: &[f64]) -> Vec<usize> {
     let change = |j: usize| (column[rows[j]] - column[rows[j - 1]]).abs();
     let changes = super::sorted((1..rows.len()).map(change));
     let usual = changes[((1.0 - RARE) * (changes.len() - 1) as f64) as usize];
-    let least = (JUMP * usual).max(LEAST_JUMP);
+    let least = (JUMP * usual).max(SENSOR_ERROR);
     (1..rows.len()).filter(|j| change(*j) > least).map(|j| rows[j]).collect()
 }
 

@@ -1,5 +1,6 @@
 //! Minimum over the declared parameters of the deviation of data and model, with structure error as noise.
 
+use super::super::signals::SENSOR_ERROR;
 use super::super::{all_runs, structure, structured};
 use super::{Judge, Predicted, STRAINED, blanked};
 use crate::CalibrateError;
@@ -35,9 +36,10 @@ impl Cost {
     fn new(setup: &Setup, fitted: Fitted, runs: &[usize]) -> Result<Cost, CalibrateError> {
         let all = all_runs(setup.experiment);
         let shown = setup.show(&fitted.hypothesis, &all)?;
-        let own: Vec<Shown> = runs.iter().map(|run| shown[*run].clone()).collect();
+        let own: Vec<Vec<f64>> = runs.iter().map(|run| squares(setup, *run, &shown[*run])).collect();
+        let of_output = |k: usize| own.iter().map(|run| run[k]).sum::<f64>();
         Ok(Cost {
-            outputs: setup.chi_squares(runs, &own),
+            outputs: (0..setup.outputs()).map(|k| of_output(k) / setup.sigma(k).powi(2)).collect(),
             width: (0..setup.outputs()).map(|k| setup.sigma(k).ln()).sum(),
             stretch: 0.0,
             fitted: runs.len(),
@@ -99,8 +101,8 @@ impl Cost {
 /// Cost of one run. The structure error of a quantity that follows the inputs at once has the size that the quantity has in this run, and
 /// at least the fraction [`SMALL`] of that in the fitted ones.
 fn of_run(setup: &Setup, fitted: &[usize], run: usize, shown: &Shown) -> f64 {
-    let all = setup.squares(&[run], std::slice::from_ref(shown)).into_iter().enumerate();
-    all.map(|(output, (square, _))| {
+    let all = squares(setup, run, shown).into_iter().enumerate();
+    all.map(|(output, square)| {
         let (mut variance, of_all) =
             (setup.sigma(output).powi(2), structure(setup.experiment, fitted, output));
         if !setup.experiment.outputs[output].is_temperature() {
@@ -110,6 +112,22 @@ fn of_run(setup: &Setup, fitted: &[usize], run: usize, shown: &Shown) -> f64 {
         square / variance.max(f64::MIN_POSITIVE)
     })
     .sum()
+}
+
+/// Sum of the squared residuals of a run, output by output. A thermometer may have another zero in each run, within its error: where nothing
+/// is heated, that is all that differs.
+fn squares(setup: &Setup, run: usize, shown: &Shown) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0, 0.0); setup.outputs()];
+    setup.each(run, shown, |_, output, off| {
+        let (count, sum, square) = &mut sums[output];
+        (*count, *sum, *square) = (*count + 1.0, *sum + off, *square + off * off);
+    });
+    let of = |(output, (count, sum, square)): (usize, (f64, f64, f64))| {
+        let is_thermometer = setup.experiment.outputs[output].is_temperature() && count > 0.0;
+        let zero = if is_thermometer { (sum / count).clamp(-SENSOR_ERROR, SENSOR_ERROR) } else { 0.0 };
+        square - 2.0 * zero * sum + count * zero * zero
+    };
+    sums.into_iter().enumerate().map(of).collect()
 }
 
 /// The experiment with structure errors as noise, and its runs that are fitted.
