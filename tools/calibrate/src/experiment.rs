@@ -9,7 +9,7 @@ mod table;
 pub mod units;
 
 pub use channel::{CELSIUS, CHANNELS, Channel};
-pub use table::{Table, clipped};
+pub use table::Table;
 
 use crate::CalibrateError;
 use physics::declare::{Causality, Kind};
@@ -154,7 +154,7 @@ struct Head {
     model: Spanned<String>,
     preset: String,
     inputs: Vec<Spanned<String>>,
-    outputs: Vec<Spanned<String>>,
+    outputs: Spanned<Vec<Spanned<String>>>,
 }
 
 #[derive(Deserialize)]
@@ -215,12 +215,17 @@ impl Experiment {
         let inputs =
             channels(&head.inputs, "input", Channel::inputs_of(declaration).collect(), declaration, &place)?;
         let outputs = channels(
-            &head.outputs,
+            head.outputs.get_ref(),
             "output",
             Channel::outputs_of(declaration).collect(),
             declaration,
             &place,
         )?;
+        if outputs.is_empty() {
+            let message =
+                "outputs is empty: it names the measured columns, for example [\"winding_temperature_degC\"]";
+            return Err(place.at(head.outputs.span().start, message));
+        }
         // The model predicts temperature rises above ambient, so ambient has no default.
         if inputs.iter().all(|c| c.column != AMBIENT)
             && let Some(ambient) = Channel::inputs_of(declaration).find(|c| c.column == AMBIENT)
@@ -260,8 +265,7 @@ impl Experiment {
             }
             let path = folder.join(&run.file);
             let blank = not_measured(&run.not_measured, &all[inputs.len()..], &run.file, &place)?;
-            let mut table = Table::read(&path, &all, &mapped, &blank)?;
-            table.set_clipped_aside(&path.display().to_string(), &all, inputs.len()..all.len());
+            let table = Table::read(&path, &all, &mapped, &blank)?;
             let set = settings(&run.set, declaration, &place)?;
             let own = priors_of(&run.prior, declaration, &place)?;
             for name in run.set.keys().chain(run.prior.keys()) {

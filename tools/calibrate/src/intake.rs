@@ -98,6 +98,7 @@ pub fn check(
 
 /// All checks except that of the clocks.
 fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<(), Refusal> {
+    clipped::outputs(experiment);
     enough(experiment)?;
     let unusable = outside_limits(experiment).or_else(|| copies::repeated(experiment));
     if let Some(unusable) = unusable.or_else(|| clipped::input(experiment)) {

@@ -64,13 +64,8 @@ struct Files {
     #[arg(long)]
     json: bool,
     /// Wall time for everything, s: the search ends in time for export and replay and reports the best answer so far
-    #[arg(long, value_name = "SECONDS", default_value_t = 45.0, value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 45.0, value_parser = crate::validate::seconds)]
     budget: f64,
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| format!("{text} is not a number of seconds"))?;
-    if number.is_finite() && number > 0.0 { Ok(number) } else { Err("a time budget is above 0 s".to_owned()) }
 }
 
 /// Fraction of the progress that the search takes; the rest is export and replay.

@@ -2,7 +2,7 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `load.rs` | `gait.toml`: the motor, the actuator and the gait, by name |
+//! | `load.rs`, `load/file.rs` | `gait.toml`: the motor, the actuator and the gait, by name |
 //! | `walker.rs`, `periodic.rs`, `motor_state.rs` | what moves the motor over a period: one of the following three; its means and peaks; its temperatures |
 //! | `stride.rs` | the three models coupled, one stride at a time: the map of the temperatures over a stride |
 //! | `shaft.rs`, `cycle_file.rs` | a motor under a cycle of torque and speed from a CSV file |

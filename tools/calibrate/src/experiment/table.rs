@@ -5,7 +5,6 @@ use super::columns::{Column, TIME};
 use super::stamp::{DAY, Stamp};
 use super::units::FileUnit;
 use crate::CalibrateError;
-use crate::comparison::converted;
 use delimited::Row;
 use std::path::Path;
 
@@ -22,11 +21,6 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
-/// Saturation: the end value must occur this many times as often as each of the [`NEXT`] readings next to it. Derivation: if all nine
-/// were equally frequent, once each, the end value would occur eight times with a probability of 3e-7.
-const CLIPPED: usize = 8;
-/// Number of readings next to the end value. Derivation: as for [`CLIPPED`].
-const NEXT: usize = 8;
 /// A pause longer than this many times the usual sampling interval is noted as a gap. Definition: of a gap; the simulation continues
 /// across it.
 const GAP: f64 = 5.0;
@@ -130,33 +124,6 @@ impl Table {
         Ok(table)
     }
 
-    /// Discards saturated readings: a value at the end of the sensor's range that repeats far more often than its neighbours.
-    /// `columns` are measured columns, which excludes commanded inputs.
-    pub fn set_clipped_aside(
-        &mut self,
-        file: &str,
-        wanted: &[&'static Channel],
-        columns: std::ops::Range<usize>,
-    ) {
-        for k in columns {
-            for side in [1.0, -1.0] {
-                let Some(end) = clipped(&self.columns[k], side) else { continue };
-                let column = &mut self.columns[k];
-                let count = column.iter().filter(|v| **v == end).count();
-                column.iter_mut().filter(|v| **v == end).for_each(|v| *v = f64::NAN);
-                // Below absolute zero a reading is a code for a missing one.
-                let why = if wanted[k].is_temperature() && end < 0.0 {
-                    "which is no temperature, and are set aside"
-                } else {
-                    "where the sensor ends, and are set aside as clipped"
-                };
-                let at = converted(end - wanted[k].offset);
-                self.notes
-                    .push(format!("{file}: {count} readings of {} stand at {at}, {why}", wanted[k].column));
-            }
-        }
-    }
-
     /// Gaps are reported in a note; the simulation continues across them.
     fn note_gaps(&mut self, file: &str) {
         let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
@@ -168,17 +135,6 @@ impl Table {
             .collect();
         self.notes.extend(sentences);
     }
-}
-
-/// The largest reading (`side` 1) or the smallest (-1), if it is the end of the sensor's range: it occurs far more often than the
-/// readings next to it. A sensor with coarse resolution also repeats its other readings.
-pub fn clipped(column: &[f64], side: f64) -> Option<f64> {
-    let mut values: Vec<f64> = column.iter().filter(|v| v.is_finite()).map(|v| side * v).collect();
-    values.sort_by(|a, b| b.total_cmp(a));
-    let runs: Vec<&[f64]> = values.chunk_by(|a, b| a == b).take(NEXT + 1).collect();
-    let (first, next) = runs.split_first()?;
-    let usual = next.iter().map(|run| run.len()).max()?;
-    (next.len() == NEXT && first.len() >= CLIPPED * usual).then_some(side * first[0])
 }
 
 /// Index of a contract column in a file, and its unit if `[columns]` gives one; otherwise a one-sentence error.
@@ -274,25 +230,6 @@ mod tests {
             let sentence = read(text).unwrap_err().to_string();
             assert!(parts.iter().all(|part| sentence.contains(part)), "{sentence}");
         }
-    }
-
-    /// A ramp of 300 readings with small noise, saturated at 50, is detected; a sensor resolution of 0.5 or a motor at rest is not.
-    #[test]
-    fn what_stands_at_the_end_of_a_sensor_is_set_aside() {
-        let noise = |k: i32| f64::from((k * 7919) % 101) * 1e-3;
-        let of = |shown: &dyn Fn(i32) -> f64| {
-            let rows: String = (0..300).map(|k| format!("{k},{},1\n", shown(k))).collect();
-            let mut table = read(&format!("{HEADER}{rows}")).unwrap();
-            let wanted = ["current_A", "winding_temperature_degC"].map(|c| Channel::of(c).unwrap());
-            table.set_clipped_aside("run.csv", &wanted, 1..2);
-            (table.columns[1].iter().filter(|v| v.is_nan()).count(), table.notes)
-        };
-        let (aside, notes) = of(&|k| (0.2 * f64::from(k) + noise(k)).min(50.0));
-        assert_eq!((aside, notes.len()), (50, 1), "{notes:?}");
-        assert!(notes[0].contains("50 readings of winding_temperature_degC stand at 50,"), "{notes:?}");
-        assert_eq!(of(&|k| (0.4 * f64::from(k)).round() * 0.5).0, 0);
-        assert_eq!(of(&|k| (0.4 * f64::from(k)).round().min(50.0) * 0.5 + noise(k)).0, 0);
-        assert_eq!(of(&|k| (-0.2 * f64::from(k) - noise(k)).max(-30.0)).0, 150);
     }
 
     #[test]

@@ -341,4 +341,7 @@ fn columns_that_cannot_be_are_named_with_line() {
     let without = HEAD.replace(", \"ambient_temperature_degC\"", "");
     let sentence = read(&format!("{without}{REST}")).unwrap_err().to_string();
     assert!(sentence.starts_with("e.toml:5: ambient_temperature_degC is not among the inputs"), "{sentence}");
+    let outputs = HEAD.lines().find(|line| line.starts_with("outputs")).unwrap();
+    let sentence = read(&format!("{}{REST}", HEAD.replace(outputs, "outputs = []"))).unwrap_err().to_string();
+    assert!(sentence.starts_with("e.toml:6: outputs is empty"), "{sentence}");
 }

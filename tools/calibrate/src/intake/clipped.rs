@@ -1,4 +1,4 @@
-//! Inputs that end at the range of their instrument.
+//! Channels that end at the range of their instrument.
 //!
 //! The greatest or the least reading repeats exactly in many rows ([`clipped`]) although the channel has noise: an analog value at a limit
 //! of the drive would have it there, too. A command without noise may stand at a limit, and a shaft or a current stands at 0. The true
@@ -11,14 +11,50 @@
 //!
 //! *Source*: probability of opposite signs of two normal variables: Sheppard, Phil. Trans. R. Soc. A 192 (1899) 101-167.
 
-use super::{Unusable, sorted};
-use crate::experiment::{Experiment, clipped};
+use super::Unusable;
+use crate::comparison::converted;
+use crate::experiment::Experiment;
 use physics::declare::Unit;
 
 /// Fraction of opposite signs in (1) above which readings have noise. Derivation: the middle between none and 0.73.
 const NOISY: f64 = 0.37;
 /// Resolutions by which rounding may change (1). Derivation: a half, two halves and a half.
 const ROUNDED: f64 = 2.0;
+/// Change relative to the channel that is a rounding error. Numerical: of double precision; no instrument resolves it.
+const DIGITS: f64 = 1e-12;
+/// Saturation: the end value must occur this many times as often as each of the [`NEXT`] readings next to it. Derivation: if all nine
+/// were equally frequent, once each, the end value would occur eight times with a probability of 3e-7.
+const CLIPPED: usize = 8;
+/// Number of readings next to the end value. Derivation: as for [`CLIPPED`].
+const NEXT: usize = 8;
+
+/// Sets aside the readings of outputs at the end of a range, with notes. A reading of a temperature is also one without noise: a sensor that
+/// is finer than its noise repeats no other reading as often. Other outputs stand exactly at a value in a simulation or at rest.
+pub fn outputs(experiment: &mut Experiment) {
+    for run in &mut experiment.runs {
+        for (k, channel) in (experiment.inputs.len()..).zip(&experiment.outputs) {
+            for side in [1.0, -1.0] {
+                let column = &mut run.table.columns[k];
+                let Some(end) = clipped(column, side) else { continue };
+                if !channel.is_temperature() && (end == 0.0 || !is_noisy(column, end)) {
+                    continue;
+                }
+                let count = column.iter().filter(|v| **v == end).count();
+                column.iter_mut().filter(|v| **v == end).for_each(|v| *v = f64::NAN);
+                // Below absolute zero a reading is a code for a missing one.
+                let why = if channel.is_temperature() && end < 0.0 {
+                    "which is no temperature, and are set aside"
+                } else {
+                    "where the sensor ends, and are set aside as clipped"
+                };
+                let (name, at) = (channel.column, converted(end - channel.offset));
+                experiment
+                    .notes
+                    .push(format!("{}: {count} readings of {name} stand at {at}, {why}", run.file));
+            }
+        }
+    }
+}
 
 /// The first input that is clipped in a run.
 pub fn input(experiment: &Experiment) -> Option<Unusable> {
@@ -46,19 +82,26 @@ pub fn input(experiment: &Experiment) -> Option<Unusable> {
     })
 }
 
+/// The largest reading (`side` 1) or the smallest (-1), if it is the end of the sensor's range: it occurs far more often than the
+/// readings next to it. A sensor with coarse resolution also repeats its other readings.
+fn clipped(column: &[f64], side: f64) -> Option<f64> {
+    let mut values: Vec<f64> = column.iter().filter(|v| v.is_finite()).map(|v| side * v).collect();
+    values.sort_by(|a, b| b.total_cmp(a));
+    let runs: Vec<&[f64]> = values.chunk_by(|a, b| a == b).take(NEXT + 1).collect();
+    let (first, next) = runs.split_first()?;
+    let usual = next.iter().map(|run| run.len()).max()?;
+    (next.len() == NEXT && first.len() >= CLIPPED * usual).then_some(side * first[0])
+}
+
 /// Whether successive values of (1) have opposite signs as those of noise, where no reading is at the end.
 fn is_noisy(column: &[f64], end: f64) -> bool {
-    let known = sorted(column.iter().copied());
-    let steps = known.windows(2).map(|w| w[1] - w[0]).filter(|step| *step > 0.0);
-    let least = ROUNDED * steps.fold(f64::INFINITY, f64::min);
-    let (mut opposite, mut all) = (0.0, 0.0);
-    for w in column.windows(4).filter(|w| w.iter().all(|x| x.is_finite() && *x != end)) {
-        let [first, second] = [0, 1].map(|k| w[k] - 2.0 * w[k + 1] + w[k + 2]);
-        let are_clear = first.abs() > least && second.abs() > least;
-        opposite += f64::from(u8::from(are_clear && first * second < 0.0));
-        all += 1.0;
-    }
-    opposite > NOISY * all
+    let size = column.iter().filter(|x| x.is_finite()).fold(0.0_f64, |size, x| size.max(x.abs()));
+    let known = column.windows(4).filter(|w| w.iter().all(|x| x.is_finite() && *x != end));
+    let pairs: Vec<[f64; 2]> = known.map(|w| [0, 1].map(|k| w[k] - 2.0 * w[k + 1] + w[k + 2])).collect();
+    let changes = pairs.iter().flatten().map(|d| d.abs()).filter(|d| *d > DIGITS * size);
+    let least = ROUNDED * changes.fold(f64::INFINITY, f64::min);
+    let is_opposite = |d: &&[f64; 2]| d.iter().all(|d| d.abs() > least) && d[0] * d[1] < 0.0;
+    pairs.iter().filter(is_opposite).count() as f64 > NOISY * pairs.len() as f64
 }
 
 #[cfg(test)]
@@ -76,6 +119,34 @@ mod tests {
         table.columns = vec![vec![1.0; 900]; all];
         table.columns[0] = (0..900).map(|k| of(k, normal(&mut rng))).collect();
         experiment
+    }
+
+    /// A ramp with noise that ends at 50; a resolution of 0.5 and a motor at rest are no ends.
+    #[test]
+    fn readings_at_the_end_of_a_sensor_are_set_aside() {
+        let of = |place: usize, shown: &dyn Fn(f64, f64) -> f64| {
+            let (mut experiment, mut rng) = (testing::experiment("", true), rng(2));
+            let (k, offset) = (experiment.inputs.len() + place, experiment.outputs[place].offset);
+            let table = &mut experiment.runs[0].table;
+            let rows = table.time.len();
+            table.columns[k] = (0..rows).map(|k| shown(k as f64, normal(&mut rng)) + offset).collect();
+            outputs(&mut experiment);
+            let aside = experiment.runs[0].table.columns[k].iter().filter(|v| v.is_nan()).count();
+            (aside, experiment.notes.join(" "))
+        };
+        let (voltage, torque, winding) = (0, 1, 2);
+        for (place, noise) in [(winding, 0.02), (winding, 0.0), (voltage, 0.02), (torque, 0.3)] {
+            let (aside, note) = of(place, &|k, n| (0.2 * k + noise * n).min(50.0));
+            let expected = if place == torque { 48..=53 } else { 49..=51 };
+            assert!(expected.contains(&aside), "{place} {noise}: {aside} {note}");
+            assert!(note.contains("stand at 50, where the sensor ends"), "{note}");
+        }
+        assert!(of(winding, &|k, n| (-0.2 * k - 0.01 * n).max(-30.0)).0 > 140);
+        assert_eq!(of(winding, &|k, _| (0.4 * k).round() * 0.5).0, 0);
+        // Simulated: friction of a shaft that turns at one speed, a voltage that is switched off, a torque with its ripple at rest.
+        let ripple = |k: f64, _: f64| if k < 100.0 { -0.0317 } else { 0.3 + 0.1 * (k / 20.0).sin() };
+        assert_eq!(of(torque, &ripple).0, 0);
+        assert_eq!(of(voltage, &|k, n| if k < 100.0 { 0.0 } else { 5.0 + 0.1 * n }).0, 0);
     }
 
     #[test]

@@ -8,6 +8,7 @@
 //! z^2 > 2 ln[(1 - e) / e * 2 m / (s sqrt(2 pi))]                                                     (1)
 //!
 //! A pulse caused by an input in the same row is attributed to the input if that channel has outliers; otherwise it is a real response.
+//! Where the prediction has the pulse and the reading has none, as of friction at a speed that its noise takes through zero, there is no outlier.
 //! *Source*: Box and Tiao, Biometrika 55 (1968) 119-129 (contaminated normal).
 
 use super::signals::{ALIKE, Readings, bound};
@@ -59,14 +60,21 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], spike
             let lower = (2.0 * ((1.0 - part) / part * 2.0 * most / (2.0 * PI).sqrt()).ln().max(0.0)).sqrt();
             found = find(lower.min(least));
         }
-        for ((run, rows), sizes) in experiment.runs.iter_mut().zip(found).zip(&sizes) {
+        for (((run, rows), sizes), residual) in
+            experiment.runs.iter_mut().zip(found).zip(&sizes).zip(&residuals)
+        {
             let table = &mut run.table;
             // A change of an input in this row also changes the output, unless the input reading is an outlier itself.
             let moved = |row: &usize| (0..inputs).find(|j| is_pulse(table, *j, *row, least * sizes[*j]));
             let by: Vec<Option<usize>> = rows.iter().map(moved).collect();
+            let is_predicted = |row: usize| {
+                residual.as_ref().is_some_and(|r| r.is_of_prediction(&table.columns[k], &rows, row))
+            };
+            let predicted: Vec<bool> = rows.iter().map(|row| is_predicted(*row)).collect();
             let mut aside = vec![0usize; channels.len()];
-            for (row, by) in rows.iter().zip(by) {
+            for ((row, by), is_predicted) in rows.iter().zip(by).zip(predicted) {
                 let column = match by {
+                    None if is_predicted => continue,
                     None => k,
                     Some(input) if spikes[input] > 0 => input,
                     Some(_) => continue,
@@ -108,6 +116,19 @@ impl Residual {
         rows
     }
 
+    /// Whether the prediction has a pulse in one of the `rows` of outliers that is greater than that of the readings.
+    fn is_of_prediction(&self, readings: &[f64], rows: &[usize], row: usize) -> bool {
+        let is_other = |other: &usize| !rows.contains(other) && self.off[*other].is_finite();
+        let before = (0..row).rev().find(is_other);
+        let Some((before, after)) = before.zip((row + 1..self.off.len()).find(is_other)) else {
+            return false;
+        };
+        let near = [before, row, after];
+        let (reading, _) = off_line(near.map(|k| self.time[k]), near.map(|k| readings[k]));
+        let (model, across) = off_line(near.map(|k| self.time[k]), near.map(|k| readings[k] - self.off[k]));
+        across.abs() < ALIKE * model.abs() && reading.abs() < model.abs()
+    }
+
     /// Greatest residual in these rows, in standard deviations.
     fn largest(&self, rows: &[usize]) -> Option<f64> {
         let readings = Readings::of(&self.time, &self.off);
@@ -125,13 +146,42 @@ fn is_step(table: &Table, row: usize, sizes: &[f64], least: f64) -> bool {
         .any(|(c, size)| (c[row + 1] - c[before]).abs() > (least * size).max(ROUNDING))
 }
 
+/// Deviation of the second value from the line between the first and the third, and the difference of these.
+fn off_line(time: [f64; 3], values: [f64; 3]) -> (f64, f64) {
+    let across = values[2] - values[0];
+    (values[1] - values[0] - (time[1] - time[0]) / (time[2] - time[0]) * across, across)
+}
+
 /// Whether a column deviates from the line between the neighbouring rows by more than `least`.
 fn is_pulse(table: &Table, k: usize, row: usize, least: f64) -> bool {
     let Some(before) = row.checked_sub(1).filter(|_| row + 1 < table.time.len()) else { return false };
-    let (time, column) = (&table.time, &table.columns[k]);
-    let share = (time[row] - time[before]) / (time[row + 1] - time[before]);
-    let across = column[row + 1] - column[before];
-    let off = (column[row] - column[before] - share * across).abs();
+    let near = [before, row, row + 1];
+    let (off, across) = off_line(near.map(|n| table.time[n]), near.map(|n| table.columns[k][n]));
     // A step deviates as well, but ends at another level.
-    off > least && across.abs() < ALIKE * off
+    off.abs() > least && across.abs() < ALIKE * off.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Readings with a prediction; `rows` are those that [`Residual::pulses`] found.
+    fn of_prediction(readings: &[f64], model: &[f64], rows: &[usize]) -> Vec<usize> {
+        let time: Vec<f64> = (0..readings.len()).map(|k| k as f64).collect();
+        let off = readings.iter().zip(model).map(|(y, p)| y - p).collect();
+        let residual = Residual { time, off };
+        rows.iter().copied().filter(|row| residual.is_of_prediction(readings, rows, *row)).collect()
+    }
+
+    #[test]
+    fn a_pulse_of_the_prediction_alone_is_no_outlier() {
+        let flat = [1.0; 9];
+        let friction = [1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0];
+        assert_eq!(of_prediction(&flat, &friction, &[2, 3, 6]), [2, 3, 6]);
+        // A spike of the readings beside a smooth prediction, and one at a step of both.
+        assert_eq!(of_prediction(&friction, &flat, &[2, 3, 6]), [0usize; 0]);
+        let step = [0.0, 0.0, 0.0, 10.0, 10.0, 10.0];
+        let spiked = [0.0, 0.0, 0.0, 2.0, 10.0, 10.0];
+        assert_eq!(of_prediction(&spiked, &step, &[3]), [0usize; 0]);
+    }
 }

@@ -17,7 +17,8 @@ pub(super) struct SideBySide {
 
 impl SideBySide {
     pub(super) fn new(threads: usize, instances: &mut [Instance]) -> Result<Self, Error> {
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        // More threads than components would wait.
+        let pool = ThreadPoolBuilder::new().num_threads(threads.min(instances.len())).build();
         let pool = pool.map_err(|e| Error::option("threads", threads, format!("cannot be started: {e}")))?;
         instances.iter_mut().for_each(Instance::take_lane);
         let stepped = instances.iter().map(|_| None).collect();

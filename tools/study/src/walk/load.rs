@@ -24,7 +24,9 @@
 //! ]
 //! ```
 
-use super::cycle_file::{self, Cycle, Drive, SCALE, SETTINGS, Setting};
+mod file;
+
+use super::cycle_file::{Cycle, Drive, SCALE, SETTINGS, Setting};
 use super::mix::Mix;
 use super::mix_file::{MixFile, Phase};
 use super::shaft::Shaft;
@@ -35,6 +37,7 @@ use crate::bench::Bench;
 pub use describe::preset::MOTOR;
 use describe::preset::{motor_data, nearest};
 use describe::{Entry, Kind, Preset, StartValues, models};
+use file::without_effect;
 use physics::load_table::LoadTable;
 use physics::models::series_elastic_actuator::MOTOR_DATA;
 use serde::Serialize;
@@ -106,128 +109,7 @@ pub struct Derived {
     pub from: &'static str,
 }
 
-/// What to use in place of a variable that a cycle at the joint leaves without effect.
-fn without_effect(name: &str) -> Option<&'static str> {
-    match name {
-        ACTIVITY | "gait.joint" | "gait.body_mass" => Some(""),
-        SCALE => Some("; use gait.support"),
-        "cycle.ratio" => Some("; use transmission.ratio"),
-        "cycle.efficiency" => Some("; use transmission.efficiency"),
-        "cycle.inertia" => Some(": the torque of the file has to contain it"),
-        "cycle.supply" => Some("; use supply_voltage"),
-        _ => None,
-    }
-}
-
-/// Makes a cycle the load table of the gait; `given` are the variables of the gait that the file sets.
-fn put_at_joint(gait: &mut Bench, cycle: &Cycle, drive: &Drive, given: &[&str]) -> Result<(), String> {
-    let changed = |setting: &&Setting| setting.get(drive) != setting.get(&Drive::default());
-    let settings = SETTINGS.iter().filter(changed).map(|setting| setting.name).filter(|name| *name != SCALE);
-    if let Some((name, instead)) =
-        settings.chain(given.iter().copied()).find_map(|n| Some((n, without_effect(n)?)))
-    {
-        return Err(format!("{name} has no effect with [cycle] and [actuator]{instead}"));
-    }
-    gait.set_load(&cycle.table(drive.scale));
-    gait.set_text(ACTIVITY, TABLE).map_err(|error| error.to_string())
-}
-
 impl Load {
-    /// From a file; the motor starts from `preset`, and `sets` override both. A name in `sets` belongs to the first of motor,
-    /// actuator and gait that has it.
-    ///
-    /// # Errors
-    /// One sentence with file and line, or with name, value and limits.
-    pub fn read(file: &Path, preset: Option<&Preset>, sets: &[(String, String)]) -> Result<Load, StudyError> {
-        let name = file.display().to_string();
-        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv")) {
-            let text = cycle_file::table_of(file).map_err(StudyError::new)?;
-            return Load::parse(&text, &name, preset, sets);
-        }
-        let text = delimited::read_text(file)
-            .map_err(|e| StudyError::new(format!("the load {name} cannot be read ({e})")))?;
-        Load::parse(&text, &name, preset, sets)
-    }
-
-    /// From the text of a file; `file` names it in errors.
-    ///
-    /// # Errors
-    /// As [`read`](Load::read).
-    pub fn parse(
-        text: &str,
-        file: &str,
-        preset: Option<&Preset>,
-        sets: &[(String, String)],
-    ) -> Result<Load, StudyError> {
-        let mut tables = Vec::new();
-        for (table, model) in TABLES {
-            if let Some(kind) = models::by_name(model) {
-                tables.push((table, (kind.declaration)()));
-            }
-        }
-        let folder = Path::new(file).parent().unwrap_or(Path::new("")).to_owned();
-        let (mut cycle, mut mix) = (None, None);
-        let values =
-            StartValues::of_tables(text, file, &tables, &["cycle", "mix"], |name, value, source| {
-                if name == "cycle" {
-                    cycle = cycle_file::read(value, &folder, source);
-                } else {
-                    mix = MixFile::read(value, source);
-                }
-            })?;
-        let used = |k: usize| !values[k].entries().is_empty();
-        let at_joint = cycle.is_some() && used(THE_ACTUATOR);
-        if cycle.is_some() && !at_joint && used(THE_GAIT) {
-            return Err(StudyError::new(format!(
-                "{file}: [cycle] without [actuator] is a load at the motor or behind its gear; [gait] has no effect with it"
-            )));
-        }
-        let mut benches = [Bench::new(MOTOR, preset)?, Bench::new(ACTUATOR, None)?, Bench::new(GAIT, None)?];
-        if cycle.is_none() || at_joint {
-            benches[0].set_text(FREE_SHAFT.0, FREE_SHAFT.1)?;
-        }
-        benches[THE_ACTUATOR].set_text(POWER_SOURCE.0, POWER_SOURCE.1)?;
-        for (bench, values) in benches.iter_mut().zip(&values) {
-            bench.set_all(values)?;
-        }
-        let declaration = benches[THE_ACTUATOR].declaration();
-        let given = values[THE_ACTUATOR].entries();
-        let names = given.iter().filter_map(|(reference, _)| declaration.by_reference(*reference));
-        let explicit = names.map(|entry| entry.name.clone()).collect();
-        let origin = Origin { text: text.to_owned(), file: file.to_owned(), sets: sets.to_vec() };
-        let mut cycle = cycle.map(|(cycle, drive)| (Arc::new(cycle), drive));
-        let carried = cycle.take_if(|_| at_joint);
-        if let Some((cycle, drive)) = &carried {
-            let of_gait = values[THE_GAIT].entries();
-            let names = of_gait.iter().filter_map(|(r, _)| benches[THE_GAIT].declaration().by_reference(*r));
-            let given: Vec<&str> = names.map(|entry| entry.name.as_str()).collect();
-            put_at_joint(&mut benches[THE_GAIT], cycle, drive, &given)
-                .map_err(|sentence| StudyError::new(format!("{file}: {sentence}")))?;
-        }
-        let at_joint = carried.map(|(cycle, _)| cycle);
-        let mut load = Load { benches, explicit, cycle, at_joint, mix: None, origin: Arc::new(origin) };
-        if let Some(mut mix) = mix {
-            mix.load(|phase| {
-                let mut found = match &phase.file {
-                    Some(other) => Load::read(&folder.join(other), preset, &[])?,
-                    None => load.clone(),
-                };
-                for (name, text) in &phase.sets {
-                    found.set_text(name, text).map_err(|e| StudyError::new(format!("{file}: [mix]: {e}")))?;
-                }
-                match found.mix {
-                    Some(_) => Err(StudyError::new(format!("{file}: a phase of [mix] is no mix itself"))),
-                    None => Ok(found),
-                }
-            })?;
-            load.mix = Some(mix);
-        }
-        for (name, text) in sets {
-            load.set_text(name, text)?;
-        }
-        Ok(load)
-    }
-
     /// The same load of another motor.
     ///
     /// # Errors

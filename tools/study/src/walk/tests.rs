@@ -154,6 +154,23 @@ fn a_mix_of_gaits_has_its_activities() {
     assert!(error.contains("every phase"), "{error}");
 }
 
+/// A phase is no mix: neither its own file nor one that names this file again.
+#[test]
+fn a_mix_that_contains_itself_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mix = |of: &str| {
+        format!("[mix]\nphase = [{{ fraction = 0.7, load = \"{of}\" }}, {{ fraction = 0.3, rest = true }}]\n")
+    };
+    for (file, of) in [("own.toml", "own.toml"), ("first.toml", "second.toml"), ("second.toml", "first.toml")]
+    {
+        std::fs::write(folder.path().join(file), mix(of)).unwrap();
+    }
+    for file in ["own.toml", "first.toml"] {
+        let error = Load::read(&folder.path().join(file), None, &[]).err().unwrap().to_string();
+        assert!(error.contains("has a [mix] and cannot be a phase of one"), "{error}");
+    }
+}
+
 /// A stride of level walking, sampled to a file in units of its own and carried by the same actuator, is that walk.
 #[test]
 fn a_cycle_at_the_joint_is_the_gait_that_it_was_sampled_from() {
