@@ -49,7 +49,7 @@ use crate::levels::{CERTAIN, FACTOR, NEARLY, SAMPLES, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 use mistakes::Mistake;
-use search::{search, wrong_time};
+use search::{Found, search, wrong_time};
 
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
 const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
@@ -298,10 +298,16 @@ fn mistaken(
 ) -> Result<Option<Unusable>, CalibrateError> {
     let all = whole.runs;
     let predicted = whole.predicted(experiment);
+    // A mistake of one file spoils the fit of all: that of every run then leaves a contradiction, and a greater one.
+    let mut everywhere: Option<(f64, Found)> = None;
     if 2 * bad.len() > all.len()
-        && let Some(unusable) = search(whole, experiment, &predicted, "every run")?
+        && let Some(found) = search(whole, experiment, &predicted, "every run")?
     {
-        return Ok(Some(unusable));
+        let cost = fitted(whole, &found.data)?;
+        if cost.is_cut || cost.bad_runs().is_empty() {
+            return Ok(Some(found.why));
+        }
+        everywhere = Some((cost.whole(), found));
     }
     // One of several loggers may be wrong: each file is checked separately.
     let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
@@ -314,22 +320,39 @@ fn mistaken(
     for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
         let alone = Judge { runs, ..whole.clone() };
         let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
-        if let Some(unusable) = search(&alone, experiment, &own, file)? {
-            return Ok(Some(unusable));
-        }
-        let (beside, base) = agreeing(whole, experiment, runs, bad)?;
-        if !beside.is_empty() {
-            // A run may have parameters of its own; the mistake is one number instead.
-            let others = (experiment.priors.len() as f64 - 1.0).max(0.0);
-            let readings = SAMPLES * (runs.len() * experiment.outputs.len()) as f64;
-            let most = fitted(&alone, experiment)?.whole() + others * readings.ln();
-            let judge = Judge { beside, base, most, ..alone };
-            if let Some(unusable) = search(&judge, experiment, &judge.predicted(experiment), file)? {
-                return Ok(Some(unusable));
+        if let Some(found) = search(&alone, experiment, &own, file)? {
+            let Some((least, _)) = everywhere else { return Ok(Some(found.why)) };
+            let cost = fitted(whole, &found.data)?.whole();
+            if cost + LEAST < least {
+                everywhere = Some((cost, found));
             }
+        } else if everywhere.is_none()
+            && let Some(found) = beside(whole, experiment, (file, runs), bad)?
+        {
+            return Ok(Some(found.why));
         }
     }
-    Ok(None)
+    Ok(everywhere.map(|(_, found)| found.why))
+}
+
+/// The mistake in one file in comparison with the fit runs of the other files, if these agree with the model.
+fn beside(
+    whole: &Judge,
+    experiment: &Experiment,
+    (file, runs): (&str, &[usize]),
+    bad: &[usize],
+) -> Result<Option<Found>, CalibrateError> {
+    let alone = Judge { runs, ..whole.clone() };
+    let (beside, base) = agreeing(whole, experiment, runs, bad)?;
+    if beside.is_empty() {
+        return Ok(None);
+    }
+    // A run may have parameters of its own; the mistake is one number instead.
+    let others = (experiment.priors.len() as f64 - 1.0).max(0.0);
+    let readings = SAMPLES * (runs.len() * experiment.outputs.len()) as f64;
+    let most = fitted(&alone, experiment)?.whole() + others * readings.ln();
+    let judge = Judge { beside, base, most, ..alone };
+    search(&judge, experiment, &judge.predicted(experiment), file)
 }
 
 /// The fit runs of other files with their fit, if they agree with the model: those that are not bad, or all if a mistake in one file spoils

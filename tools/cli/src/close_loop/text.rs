@@ -255,9 +255,9 @@ fn nothing(outcome: &Outcome) -> String {
     }
 }
 
-/// The greatest error of the final model relative to the noise, if it is above [`EXPLAINED`].
+/// The greatest error of the final model relative to the noise, if it is above [`EXPLAINED`] and the error of good instruments.
 fn unexplained_error(outcome: &Outcome, role: Role) -> Option<String> {
-    let of = outcome.errors.iter().filter(|e| e.role == role && e.floor > 0.0);
+    let of = outcome.errors.iter().filter(|e| e.role == role && e.floor > 0.0 && e.after > e.instruments);
     let ratios = of.map(|e| (e, e.after / e.floor)).filter(|(_, ratio)| *ratio > EXPLAINED);
     let (e, ratio) = ratios.max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(format!(

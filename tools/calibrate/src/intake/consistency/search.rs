@@ -42,6 +42,12 @@ pub(super) struct Changed {
     pub shown: Predicted,
 }
 
+/// The reason why the data cannot be used, and the data as they are meant.
+pub(super) struct Found {
+    pub why: Unusable,
+    pub data: Experiment,
+}
+
 /// The combination of mistakes that gives the best agreement with the model, if no parameter values within the priors explain the
 /// unchanged data nearly as well.
 pub(super) fn search(
@@ -49,7 +55,7 @@ pub(super) fn search(
     experiment: &Experiment,
     predicted: &Predicted,
     files: &str,
-) -> Result<Option<Unusable>, CalibrateError> {
+) -> Result<Option<Found>, CalibrateError> {
     let mut at = experiment.clone();
     let mut predicted = predicted.clone();
     // Each mistake with the others that explain the data as well.
@@ -82,7 +88,8 @@ pub(super) fn search(
         suggestions.push(format!("check the value of {name} in [set] and [prior]"));
     }
     let channel = channel.unwrap_or_default();
-    Ok(Some(Unusable { channel, reason: reasons.join("; "), suggestion: suggestions.join("; ") }))
+    let why = Unusable { channel, reason: reasons.join("; "), suggestion: suggestions.join("; ") };
+    Ok(Some(Found { why, data: at }))
 }
 
 /// The unit of a time that is too long, if the model agrees with the data in that unit only. It makes every simulation of the data as they
@@ -265,10 +272,15 @@ fn confirmed(
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     while !all.is_empty() {
         let most = all[0].0 + LEAST;
-        let equal = all.iter().take_while(|(cost, ..)| *cost <= most).count();
-        let mut rest: Vec<(f64, Cost, Changed)> = all.drain(..equal).collect();
-        rest.sort_by_key(|(.., one)| place(&one.mistake, at));
-        let (_, as_meant, one) = rest.remove(0);
+        // Structure error decides between those about the same columns that leave as little: the first in the list is the simplest.
+        let (columns, least) = (all[0].2.mistake.touches(), &all[0].1);
+        let is_alike = |(cost, own, one): &(f64, Cost, Changed)| {
+            *cost <= most || one.mistake.touches() == columns && !own.is_worse_than(least, FACTOR, None)
+        };
+        let alike = (0..all.len()).filter(|k| is_alike(&all[*k]));
+        let simplest = alike.min_by_key(|k| place(&all[*k].2.mistake, at)).unwrap_or(0);
+        let (_, as_meant, one) = all.remove(simplest);
+        let rest: Vec<(f64, Cost, Changed)> = all.extract_if(.., |(cost, ..)| *cost <= most).collect();
         let mut is_sensor = false;
         // A failed sensor of one output contradicts the same rows; it leaves the other outputs in agreement.
         if one.mistake.is_simulated(at) {
@@ -279,7 +291,8 @@ fn confirmed(
         }
         if !is_sensor {
             let same = one.mistake.touches();
-            let others = rest.into_iter().map(|(.., other)| other.mistake).filter(|m| m.touches() == same);
+            let others = rest.into_iter().map(|(.., other)| other.mistake);
+            let others = others.filter(|m| m.touches() == same && !m.is_near(&one.mistake));
             return Ok(Some((as_meant, one, others.collect())));
         }
     }
