@@ -35,16 +35,18 @@ pub fn accounts_for(setup: &Setup, runs: &[usize], [with, without]: [&[Shown]; 2
     greatest(setup, runs, pairs.map(|((with, count), (without, _))| (without - with) / count as f64))
 }
 
-/// Whether what a fit without effects leaves of fit and validation runs, beyond the noise, is within the error of instruments.
+/// Whether what a fit without effects leaves of the fit runs and of the validation runs, beyond the noise, is within the error of instruments.
 ///
 /// # Errors
 /// The message of the model if it cannot be run.
 pub fn explain_rest(setup: &Setup, refit: &Fitted) -> Result<bool, CalibrateError> {
-    let runs: Vec<usize> =
-        [Role::Fit, Role::Validate].into_iter().flat_map(|role| setup.runs(role)).collect();
-    let squares = setup.squares(&runs, &setup.show(&refit.hypothesis, &runs)?).into_iter().enumerate();
-    let left = squares.map(|(k, (square, count))| square / count as f64 - setup.sigma(k).powi(2));
-    Ok(greatest(setup, &runs, left) < 1.0)
+    let left = |role: Role| -> Result<f64, CalibrateError> {
+        let runs = setup.runs(role);
+        let squares = setup.squares(&runs, &setup.show(&refit.hypothesis, &runs)?).into_iter().enumerate();
+        let squares = squares.map(|(k, (square, count))| square / count as f64 - setup.sigma(k).powi(2));
+        Ok(greatest(setup, &runs, squares))
+    };
+    Ok(left(Role::Fit)?.max(left(Role::Validate)?) < 1.0)
 }
 
 fn greatest(setup: &Setup, runs: &[usize], squares: impl Iterator<Item = f64>) -> f64 {

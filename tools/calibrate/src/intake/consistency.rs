@@ -49,7 +49,7 @@ use crate::levels::{CERTAIN, FACTOR, NEARLY, SAMPLES, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 use mistakes::Mistake;
-use search::{Found, search, wrong_time};
+use search::{Found, search, wrong_time, wrong_value};
 
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
 const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
@@ -243,8 +243,13 @@ pub fn contradiction(
         most: f64::INFINITY,
         deadline: deadline.clone(),
     };
-    if let Some(unusable) = wrong_time(&whole, &thin, "every run")? {
+    if let Some(unusable) = wrong_time(&whole, &thin, None)? {
         return Ok(Err(unusable));
+    }
+    for (file, runs) in files(&thin).iter().filter(|(_, runs)| is_longer(&thin, runs)) {
+        if let Some(unusable) = wrong_time(&whole, &thin, Some((file, runs)))? {
+            return Ok(Err(unusable));
+        }
     }
     let mut as_is = fitted(&whole, &thin)?;
     while !as_is.is_cut
@@ -290,7 +295,7 @@ fn references(
     (0..experiment.outputs.len()).map(of).collect()
 }
 
-/// The mistake in the columns of all runs, or in those of one file.
+/// The mistake in the columns of all runs, in those of one file, or in a value of [set] or [prior].
 fn mistaken(
     whole: &Judge,
     experiment: &Experiment,
@@ -310,13 +315,7 @@ fn mistaken(
         everywhere = Some((cost.whole(), found));
     }
     // One of several loggers may be wrong: each file is checked separately.
-    let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
-    for (k, run) in experiment.runs.iter().enumerate() {
-        match files.iter_mut().find(|(file, _)| *file == run.file) {
-            Some((_, runs)) => runs.push(k),
-            None => files.push((&run.file, vec![k])),
-        }
-    }
+    let files = files(experiment);
     for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
         let alone = Judge { runs, ..whole.clone() };
         let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
@@ -332,7 +331,31 @@ fn mistaken(
             return Ok(Some(found.why));
         }
     }
-    Ok(everywhere.map(|(_, found)| found.why))
+    match everywhere {
+        Some((_, found)) => Ok(Some(found.why)),
+        None => wrong_value(whole, experiment),
+    }
+}
+
+/// The files and their runs.
+fn files(experiment: &Experiment) -> Vec<(&str, Vec<usize>)> {
+    let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
+    for (k, run) in experiment.runs.iter().enumerate() {
+        match files.iter_mut().find(|(file, _)| *file == run.file) {
+            Some((_, runs)) => runs.push(k),
+            None => files.push((&run.file, vec![k])),
+        }
+    }
+    files
+}
+
+/// Whether runs are longer by the square of [`FACTOR`] than the others usually are.
+fn is_longer(experiment: &Experiment, runs: &[usize]) -> bool {
+    let length = |k: usize| {
+        experiment.runs[k].table.time.last().copied().unwrap_or(0.0) - experiment.runs[k].table.time[0]
+    };
+    let others = (0..experiment.runs.len()).filter(|k| !runs.contains(k)).map(length);
+    runs.iter().any(|k| length(*k) > FACTOR * FACTOR * super::median(others.clone()))
 }
 
 /// The mistake in one file in comparison with the fit runs of the other files, if these agree with the model.
