@@ -221,7 +221,8 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         write(path, &found.csv())?;
     }
     if let Some(path) = &args.plot {
-        drawing::write(path, &found.figure()?.svg())?;
+        let figure = found.figure()?.remark(&infeasible(&found, LISTED_IN_A_FIGURE).replace('\n', " "));
+        drawing::write(path, &figure.svg())?;
     }
     if args.json {
         let mut result = serde_json::to_value(&found)?;
@@ -256,7 +257,7 @@ fn summary(found: &Sweep, vary: &[Vary]) -> String {
     if let Some(source) = &found.source {
         text += &format!("load: {source}\n");
     }
-    text += &infeasible(found);
+    text += &infeasible(found, LISTED);
     let objectives = found.objectives.iter().map(|o| {
         let goal = if o.least_is_best { "minimum" } else { "maximum" };
         format!("{goal} of {}", o.name)
@@ -292,11 +293,12 @@ fn summary(found: &Sweep, vary: &[Vary]) -> String {
     text
 }
 
-/// Infeasible points that the summary lists.
+/// Reasons of infeasible points that the summary lists, and a figure.
 const LISTED: usize = 12;
+const LISTED_IN_A_FIGURE: usize = 3;
 
 /// The infeasible points with their reasons, points with the same reason together.
-fn infeasible(found: &Sweep) -> String {
+fn infeasible(found: &Sweep, listed: usize) -> String {
     let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for point in &found.points {
         let Some(failure) = &point.failure else { continue };
@@ -311,12 +313,12 @@ fn infeasible(found: &Sweep) -> String {
         return String::new();
     }
     let mut text = format!("{} of {} points infeasible\n", found.infeasible, found.points.len());
-    for (reason, places) in reasons.iter().take(LISTED) {
+    for (reason, places) in reasons.iter().take(listed) {
         let more = if places.len() > 1 { format!(" and {} more", places.len() - 1) } else { String::new() };
         text += &format!("  {}{more}: {reason}\n", places[0]);
     }
-    if reasons.len() > LISTED {
-        text += &format!("  and {} more reasons; --json lists all points\n", reasons.len() - LISTED);
+    if reasons.len() > listed {
+        text += &format!("  and {} more reasons; --json lists all points\n", reasons.len() - listed);
     }
     text
 }

@@ -50,8 +50,15 @@ pub(super) fn wrap(text: &str, room: f64) -> Vec<String> {
 
 /// Text at a place; `class` begins with its anchor: e for its end, m for its middle.
 pub(super) fn text(x: f64, y: f64, class: &str, text: &str) -> Markup {
-    let class = (!class.is_empty()).then_some(class);
-    html! { text class=[class] x=(format_args!("{x:.1}")) y=(format_args!("{y:.1}")) { (text) } }
+    let one = |class: &str| {
+        let class = (!class.is_empty()).then_some(class);
+        html! { text class=[class] x=(format_args!("{x:.1}")) y=(format_args!("{y:.1}")) { (text) } }
+    };
+    // Text over lines stands on its own outline, in the colour of the paper; some converters paint the outline of a text last.
+    match class.strip_suffix('o') {
+        Some(plain) => html! { (one(class)) (one(plain.trim_end())) },
+        None => one(class),
+    }
 }
 
 /// A label below an axis at a place, moved to stay inside the figure.
@@ -94,7 +101,7 @@ fn style() -> String {
          .f .t{{font-weight:600;font-size:14px}}.f .e{{text-anchor:end}}.f .m{{text-anchor:middle}}\
          .f .a,.f .z,.f .n,.f .k,.f .l{{fill:none}}.f .l{{stroke-width:2;stroke-linejoin:round}}.f .l.h{{stroke-width:1}}\
          .f .k{{stroke-width:1.5}}.f .p{{stroke-width:1}}.f .n{{stroke-dasharray:3 4}}.f .z{{stroke-dasharray:6 4;stroke-width:1.5}}\
-         .f .w{{fill-opacity:.22;stroke:none}}.f .o{{paint-order:stroke;stroke-width:4;stroke-linejoin:round}}\
+         .f .w{{fill-opacity:.22;stroke:none}}.f .o{{stroke-width:4;stroke-linejoin:round}}\
          {}@media (prefers-color-scheme:dark){{{}}}",
         colours(&LIGHT),
         colours(&DARK)
