@@ -1,7 +1,7 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
 use crate::drawing;
-use crate::existing::{Force, check_place};
+use crate::existing::{Force, check_apart, check_place, is_stdout};
 use crate::outputs::{self, Shown};
 use crate::parent;
 use crate::simulate::{check_once, is_a_number, remarks, rounded, setting, significant};
@@ -51,7 +51,7 @@ pub struct Args {
     every: Option<usize>,
     #[command(flatten)]
     shown: Shown,
-    /// Write time and the outputs as CSV with 17 digits: time,<component>.<output>
+    /// Write time and the outputs as CSV with 17 digits: time,<component>.<output>; - prints the table in place of the final values
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
     /// Draw the outputs with their limits as SVG, PNG or HTML: those of --outputs, else the main ones
@@ -137,16 +137,16 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     let limits = outputs::take_limits(&mut run.recording, &limits, &[]);
     let finite = is_a_number(&run.recording);
     args.shown.apply(&mut run.recording)?;
-    if let Some(path) = &args.output {
-        args.shown.named(&run.recording).write_csv(path)?;
-    }
+    let table = args.shown.write(&run.recording, args.output.as_deref())?;
     if let Some(path) = &args.plot {
         drawing::write(path, &args.shown.figure(&run.recording, &limits, &main)?)?;
     }
     crate::remark(&run.notes);
     let ended_by = run.ended_by.as_deref().unwrap_or_default();
     remarks(&run.recording, "", ended_by, ended_by);
-    let text = if args.json {
+    let text = if let Some(table) = table {
+        table
+    } else if args.json {
         format!("{}\n", machine(&args.system.to_string_lossy(), &run))
     } else {
         summary(&run)
@@ -158,7 +158,8 @@ pub fn run(args: Args) -> Result<u8, Failure> {
 /// Refuses files that are no earlier results of this system.
 fn may_write(args: &Args, system: &System) -> Result<(), Failure> {
     let name = system.name();
-    if let Some(path) = &args.output {
+    check_apart(args.output.as_deref(), args.plot.as_deref(), args.json)?;
+    if let Some(path) = args.output.as_ref().filter(|path| !is_stdout(path)) {
         check_place(path)?;
         // Outputs of the system have names of their own.
         let is_column = |column: &str| {

@@ -1,10 +1,12 @@
 //! Which outputs of a run are printed, written and drawn, and in which units.
 
 use crate::Failure;
+use crate::existing::is_stdout;
 use crate::pattern::Patterns;
 use clap::ValueEnum;
 use cosim::{Column, DisplayUnit, Limit, ModelDescription, Recording, System};
 use describe::{models, plots};
+use std::path::Path;
 
 /// A limit that is recorded with the run: variable, output, label, whether it holds in both directions.
 #[derive(Clone, Debug)]
@@ -133,8 +135,17 @@ impl Shown {
         limit
     }
 
+    /// Writes the table where it is wanted; gives it if that is the standard output.
+    pub fn write(&self, recording: &Recording, path: Option<&Path>) -> Result<Option<String>, Failure> {
+        match path {
+            None => Ok(None),
+            Some(path) if is_stdout(path) => Ok(Some(self.named(recording).csv())),
+            Some(path) => Ok(self.named(recording).write_csv(path).map(|()| None)?),
+        }
+    }
+
     /// The recording with the units in the names of its columns, for a CSV file in display units.
-    pub fn named(&self, recording: &Recording) -> Recording {
+    fn named(&self, recording: &Recording) -> Recording {
         let mut named = recording.clone();
         if self.units == Some(Units::Datasheet) {
             for column in &mut named.columns {

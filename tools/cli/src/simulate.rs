@@ -1,7 +1,7 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
 use crate::Failure;
 use crate::drawing;
-use crate::existing::{Force, check_place};
+use crate::existing::{Force, check_apart, check_place, is_stdout};
 use crate::outputs::{self, Shown, thin};
 use crate::parent::{self, complain};
 use cosim::{Archive, Causality, InputTable, Log, ModelDescription, Options, Recording, Status};
@@ -48,7 +48,7 @@ pub struct Args {
     every: u32,
     #[command(flatten)]
     shown: Shown,
-    /// Write time and the outputs as CSV with 17 digits
+    /// Write time and the outputs as CSV with 17 digits; - prints the table in place of the final values
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
     /// Draw the outputs with their limits as SVG, PNG or HTML: those of --outputs, else the main ones
@@ -122,16 +122,16 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     let limits = outputs::take_limits(&mut recording, &limits, &args.records);
     args.shown.apply(&mut recording)?;
 
-    if let Some(path) = &args.output {
-        args.shown.named(&recording).write_csv(path)?;
-    }
+    let table = args.shown.write(&recording, args.output.as_deref())?;
     if let Some(path) = &args.plot {
         drawing::write(path, &args.shown.figure(&recording, &limits, &main)?)?;
     }
     let name = &recording.model_name;
     remarks(&recording, &format!("{name}: "), name, &format!("{name}: the FMU"));
     crate::remark(unused.as_slice());
-    let text = if args.json {
+    let text = if let Some(table) = table {
+        table
+    } else if args.json {
         let mut result = machine(&args.file.to_string_lossy(), &recording);
         result["notes"] = json!(unused.as_slice());
         format!("{result}\n")
@@ -145,7 +145,8 @@ pub fn run(args: Args) -> Result<u8, Failure> {
 /// Refuses files that are no earlier results of this FMU.
 fn may_write(args: &Args, description: &ModelDescription) -> Result<(), Failure> {
     let model = &description.model_name;
-    if let Some(path) = &args.output {
+    check_apart(args.output.as_deref(), args.plot.as_deref(), args.json)?;
+    if let Some(path) = args.output.as_ref().filter(|path| !is_stdout(path)) {
         check_place(path)?;
         let is_column = |name: &str| {
             let known = |name: &str| {

@@ -3,7 +3,7 @@
 mod walk;
 
 use crate::drawing;
-use crate::existing::{Force, check_place, header};
+use crate::existing::{Force, check_apart, check_place, header};
 use crate::progress::Progress;
 use crate::{Failure, write};
 use ::study::StudyError;
@@ -238,6 +238,7 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
 fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
     let varied: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
     let names = varied.join(", ");
+    check_apart(args.output.as_deref(), args.plot.as_deref(), false)?;
     if let Some(path) = &args.output {
         check_place(path)?;
         args.force.check(path, &format!("a table of a sweep over {names}"), |path| {
