@@ -127,6 +127,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         tolerance: args.tolerance,
         sets: args.shown.sets_of_system(args.sets, &system)?,
         input: args.input,
+        display_units: args.shown.has_display_units(),
         algorithm: args.algorithm.into(),
         held_inputs: args.no_slopes,
         every: args.every,
@@ -136,7 +137,11 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     let mut run = cosimulate(&system, &options, &mut parent::progress)?;
     let limits = outputs::take_limits(&mut run.recording, &limits, &[]);
     let finite = is_a_number(&run.recording);
-    args.shown.apply(&mut run.recording)?;
+    args.shown.apply(&mut run.recording, &|name| {
+        let inner = |(component, _): &(&str, _)| name.strip_prefix(component)?.strip_prefix('.');
+        let found = system.descriptions().find_map(|part| part.1.variable(inner(&part)?));
+        found.map(|v| format!("{name} is no output (causality {}); cosim records outputs only", v.causality))
+    })?;
     let table = args.shown.write(&run.recording, args.output.as_deref())?;
     if let Some(path) = &args.plot {
         drawing::write(path, &args.shown.figure(&run.recording, &limits, &main)?)?;

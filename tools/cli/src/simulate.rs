@@ -93,8 +93,8 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     may_write(&args, archive.description())?;
     check_once(&args.sets)?;
     let sets = args.shown.sets(args.sets, archive.description())?;
-    let input =
-        args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
+    let read = |path| InputTable::read(path, archive.description(), args.shown.has_display_units());
+    let input = args.input.as_deref().map(read).transpose()?;
     crate::remark(input.iter().flat_map(InputTable::notes).cloned().collect::<Vec<_>>().as_slice());
     let columns = input.iter().flat_map(|table| table.names());
     if let Some(sentence) = crate::unused::unserved("", archive.description(), &sets) {
@@ -120,7 +120,10 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     let finite = is_a_number(&recording);
     thin(&mut recording, args.every as usize);
     let limits = outputs::take_limits(&mut recording, &limits, &args.records);
-    args.shown.apply(&mut recording)?;
+    args.shown.apply(&mut recording, &|name| {
+        let causality = archive.description().variable(name)?.causality;
+        Some(format!("{name} is no output (causality {causality}); --record {name} records it"))
+    })?;
 
     let table = args.shown.write(&recording, args.output.as_deref())?;
     if let Some(path) = &args.plot {
