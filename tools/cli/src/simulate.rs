@@ -40,7 +40,7 @@ pub struct Args {
     /// Record this variable, too; local variables and parameters are not recorded otherwise. May be repeated
     #[arg(long = "record", value_name = "NAME")]
     records: Vec<String>,
-    /// Inputs over time: CSV with the header time,<input names>, each with [unit] if wanted; reals are interpolated linearly, other inputs are constant between rows
+    /// Inputs over time: CSV with the header time,<input names>, each with [unit] if wanted; reals are interpolated linearly, other inputs are constant between rows; two rows with one time are a discontinuity, at which a step ends if the FMU can vary its step
     #[arg(long, value_name = "F.csv")]
     input: Option<PathBuf>,
     /// Record every N-th communication point, and the last

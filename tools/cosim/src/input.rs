@@ -140,6 +140,18 @@ impl InputTable {
         self.value(index, t, self.times.partition_point(|x| *x < t - slack))
     }
 
+    /// Whether an input jumps at `t`.
+    pub(crate) fn jumps(&self, t: f64, slack: f64) -> bool {
+        let jump = |c: usize| self.before(c, t, slack).to_bits() != self.after(c, t, slack).to_bits();
+        self.next_row(t - slack).is_some_and(|row| row <= t + slack) && (0..self.columns.len()).any(jump)
+    }
+
+    /// The first time after `t` and before `end` at which an input jumps.
+    pub(crate) fn next_jump(&self, t: f64, end: f64, slack: f64) -> Option<f64> {
+        let rows = std::iter::successors(self.next_row(t + slack), |row| self.next_row(*row));
+        rows.take_while(|row| *row < end - slack).find(|row| self.jumps(*row, slack))
+    }
+
     /// The value at `t`, between rows `next - 1` and `next`.
     fn value(&self, index: usize, t: f64, next: usize) -> f64 {
         let column = &self.columns[index];

@@ -125,10 +125,11 @@ pub fn cosimulate(
     record.point(&mut master, start, false)?;
     let outcome = match options.tolerance {
         None => {
-            let (steps, ended) = grid.run(progress, |k, t, h, end| {
+            let table = table.as_ref().filter(|_| rigid.is_none());
+            let (steps, ended) = grid.run(table, progress, |t, h, end, point| {
                 let ended = master.step(t, h)?.map(|component| (component, t));
-                if ended.is_none() {
-                    record.point(&mut master, end, k + 1 == grid.steps)?;
+                if let (None, Some(point)) = (ended, point) {
+                    record.point(&mut master, end, point == grid.steps)?;
                 }
                 Ok(ended)
             })?;
