@@ -17,13 +17,13 @@ pub struct Args {
     /// The system: SYSTEM.ssp or SYSTEM.toml
     pub system: PathBuf,
     /// Start time in s [default: that of the system, else 0]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     start: Option<f64>,
     /// Stop time in s [default: that of the system, else 1 s after the start]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     stop: Option<f64>,
     /// Communication step in s [default: that of the system, else the shortest that an FMU proposes]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    #[arg(long, value_name = "H")]
     step: Option<f64>,
     /// Set a parameter or input of a component, or an input of the system: a number in its unit, of a component also with another unit
     /// of the quantity, such as "35 degC". May be repeated
@@ -40,15 +40,15 @@ pub struct Args {
     #[arg(long)]
     no_slopes: bool,
     /// Variable communication step with this relative error of the connected outputs; the FMUs must support rollback
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R")]
     tolerance: Option<f64>,
     /// Step components at the same time in N threads, with `jacobi` and `jacobi-delayed`. The results are the same bits. Faster where
     /// a step of a component takes more than about 20 us; the FMUs must not share data, as some do that are made of one library
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    threads: usize,
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: u32,
     /// Record every N-th communication point [default: the least of 1, 2, 5, 10, ... for 100,000 rows at most]
-    #[arg(long, value_name = "N")]
-    every: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    every: Option<u32>,
     #[command(flatten)]
     shown: Shown,
     /// Write time and the outputs as CSV with 17 digits: time,<component>.<output>; - prints the table in place of the final values
@@ -130,8 +130,8 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         display_units: args.shown.has_display_units(),
         algorithm: args.algorithm.into(),
         held_inputs: args.no_slopes,
-        every: args.every,
-        threads: args.threads,
+        every: args.every.map(|every| every as usize),
+        threads: args.threads as usize,
         log: Log::new(),
     };
     let mut run = cosimulate(&system, &options, &mut parent::progress)?;

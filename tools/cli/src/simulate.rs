@@ -19,13 +19,13 @@ pub struct Args {
     /// The FMU
     pub file: PathBuf,
     /// Start time in s [default: that of the FMU, else 0]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     start: Option<f64>,
     /// Stop time in s [default: that of the FMU, else 1 s after the start]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     stop: Option<f64>,
     /// Communication step in s [default: that of the FMU, else a 500th of the time]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    #[arg(long, value_name = "H")]
     step: Option<f64>,
     /// Set a parameter or input: a number in its unit or with another unit of the quantity, such as "3000 rpm"; an enumeration by the
     /// name of an item. May be repeated
@@ -35,7 +35,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Interface::Auto)]
     interface: Interface,
     /// Relative tolerance, given to the FMU and kept by the solver of Model Exchange [default: that of the FMU, else 1e-6]
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R")]
     tolerance: Option<f64>,
     /// Record this variable, too; local variables and parameters are not recorded otherwise. May be repeated
     #[arg(long = "record", value_name = "NAME")]

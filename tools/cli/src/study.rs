@@ -40,7 +40,7 @@ pub struct LoadArgs {
     #[arg(long, value_name = "load.toml")]
     pub load: Option<PathBuf>,
     /// Longest duration of the walk in hours, with --load
-    #[arg(long, value_name = "H", default_value_t = 2.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "H", default_value_t = 2.0)]
     pub hours: f64,
 }
 
