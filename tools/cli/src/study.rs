@@ -141,11 +141,12 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     }
     text += &match continuous {
         Ok(c) => format!(
-            "continuous torque {} N.m at {} A, {} N.m/kg, with the winding at {:.2} K\n",
+            "continuous torque {} N.m at {} A, {} N.m/kg, with the winding at {:.2} K ({:.2} degC)\n",
             significant(c.torque),
             significant(c.current),
             significant(c.torque_density),
-            c.winding_temperature
+            c.winding_temperature,
+            c.winding_temperature - 273.15
         ),
         Err(reason) => format!("{reason}\n"),
     };
