@@ -29,26 +29,19 @@ fn given_and_measured(kind: &ModelType, start: &[(&str, f64)], output: &str, h: 
 /// divided by the time constant.
 #[test]
 fn settled_states_follow_the_others() {
-    let imposed = [("mechanical_mode", 2.0), ("imposed_speed", 60.0)];
-    let cases: [(&[(&str, f64)], &str, f64, f64); 5] = [
-        (&[("voltage", 3.0), ("motor.L", 1e-6), imposed[0], imposed[1]], "current", 1.0, 0.01),
-        (&[("voltage", 7.0), ("motor.L", 3e-5), imposed[0], imposed[1]], "current", 5.0, 0.02),
-        (&[("voltage", 3.0), ("motor.L", 1e-6), imposed[0], imposed[1]], "power_electrical", 1.0, 0.01),
-        (
-            &[("voltage", 12.0), ("motor.L", 1e-6), ("motor.J", 1e-7), ("load_torque", 0.1)],
-            "current",
-            2.0,
-            0.02,
-        ),
-        (
-            &[("voltage", 12.0), ("motor.L", 1e-6), ("motor.J", 1e-7), ("load_torque", 0.1)],
-            "shaft_speed",
-            2.0,
-            0.02,
-        ),
+    let imposed = |voltage: f64, l: f64| {
+        vec![("voltage", voltage), ("motor.L", l), ("mechanical_mode", 2.0), ("imposed_speed", 60.0)]
+    };
+    let free = vec![("voltage", 12.0), ("motor.L", 1e-6), ("motor.J", 1e-7), ("load_torque", 0.1)];
+    let cases = [
+        (imposed(3.0, 1e-6), "current", 1.0, 0.01),
+        (imposed(7.0, 3e-5), "current", 5.0, 0.02),
+        (imposed(3.0, 1e-6), "power_electrical", 1.0, 0.01),
+        (free.clone(), "current", 2.0, 0.02),
+        (free, "shaft_speed", 2.0, 0.02),
     ];
     for (start, output, h, share) in cases {
-        let [given, measured] = given_and_measured(MOTOR, start, output, h, 1);
+        let [given, measured] = given_and_measured(MOTOR, &start, output, h, 1);
         assert!(
             (given - measured).abs() < share * measured.abs(),
             "{start:?} {output}: {given} and {measured}"

@@ -183,7 +183,8 @@ fn attempt<'a>(
     let (refit, setup) = (refit?, setup);
     let readings = refit.readings;
     let is_thin = readings < setup.declared.len();
-    let is_within_instruments = !is_cut && instruments::explain_rest(&setup, &refit)?;
+    let is_within_instruments =
+        !is_cut && in_time(&deadline, instruments::explain_rest(&setup, &refit))?.unwrap_or(false);
     let mut looked = None;
     is_cut |= options.extent == Extent::Unchecked;
     if !(options.extent == Extent::Fit || is_thin || is_cut || is_within_instruments) {

@@ -214,17 +214,11 @@ impl Experiment {
         let declaration = (kind.declaration)();
         let inputs =
             channels(&head.inputs, "input", Channel::inputs_of(declaration).collect(), declaration, &place)?;
-        let outputs = channels(
-            head.outputs.get_ref(),
-            "output",
-            Channel::outputs_of(declaration).collect(),
-            declaration,
-            &place,
-        )?;
+        let (wanted, possible) = (head.outputs.get_ref(), Channel::outputs_of(declaration).collect());
+        let outputs = channels(wanted, "output", possible, declaration, &place)?;
         if outputs.is_empty() {
-            let message =
-                "outputs is empty: it names the measured columns, for example [\"winding_temperature_degC\"]";
-            return Err(place.at(head.outputs.span().start, message));
+            let start = head.outputs.span().start;
+            return Err(place.at(start, "outputs is empty: it names the measured columns"));
         }
         // The model predicts temperature rises above ambient, so ambient has no default.
         if inputs.iter().all(|c| c.column != AMBIENT)

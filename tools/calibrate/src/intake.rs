@@ -83,8 +83,11 @@ pub fn check(
     preset: &[(u32, f64)],
     deadline: &Deadline,
 ) -> Result<bool, Refusal> {
-    sensors(experiment, preset, deadline)?;
-    let unusable = clocks::check(experiment, preset, deadline)?.or_else(|| nothing_left(experiment));
+    let agrees = sensors(experiment, preset, deadline)?;
+    let mut unusable = clocks::check(experiment, preset, deadline)?.or_else(|| nothing_left(experiment));
+    if unusable.is_none() && !agrees {
+        unusable = consistency::contradicting_value(experiment, preset, deadline)?;
+    }
     if let Some(unusable) = unusable {
         return Err(Refusal::Unusable(unusable));
     }
@@ -97,8 +100,8 @@ pub fn check(
     Ok(is_complete)
 }
 
-/// All checks except that of the clocks.
-fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<(), Refusal> {
+/// All checks except that of the clocks, and of values: whether the data agree with the model.
+fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<bool, Refusal> {
     clipped::outputs(experiment);
     enough(experiment)?;
     let unusable = outside_limits(experiment).or_else(|| copies::repeated(experiment));
@@ -134,7 +137,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     {
         return Err(Refusal::Unusable(unusable));
     }
-    Ok(())
+    Ok(is_sure.iter().all(|sure| *sure))
 }
 
 fn all_runs(experiment: &Experiment) -> Vec<usize> {

@@ -270,6 +270,28 @@ pub fn contradiction(
     Ok(Ok(references))
 }
 
+/// The value of [set] or [prior] that contradicts what is left of the data after all other checks.
+///
+/// # Errors
+/// An experiment whose model cannot be set up.
+pub fn contradicting_value(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Result<Option<Unusable>, CalibrateError> {
+    let (all, thin) = (super::all_runs(experiment), thinned(experiment, ROWS));
+    let judge = Judge {
+        preset,
+        runs: &all,
+        beside: Vec::new(),
+        base: None,
+        most: f64::INFINITY,
+        deadline: deadline.clone(),
+    };
+    let as_is = fitted(&judge, &thin)?;
+    if as_is.is_cut || as_is.bad_runs().is_empty() { Ok(None) } else { wrong_value(&judge, &thin) }
+}
+
 /// The fit of the data as they are, if they agree with the model; otherwise each output is predicted by the fit of the others if these
 /// agree. Strained parameters may compensate for a failed sensor and predict nothing.
 fn references(
@@ -295,7 +317,7 @@ fn references(
     (0..experiment.outputs.len()).map(of).collect()
 }
 
-/// The mistake in the columns of all runs, in those of one file, or in a value of [set] or [prior].
+/// The mistake in the columns of all runs, or in those of one file.
 fn mistaken(
     whole: &Judge,
     experiment: &Experiment,
@@ -331,10 +353,7 @@ fn mistaken(
             return Ok(Some(found.why));
         }
     }
-    match everywhere {
-        Some((_, found)) => Ok(Some(found.why)),
-        None => wrong_value(whole, experiment),
-    }
+    Ok(everywhere.map(|(_, found)| found.why))
 }
 
 /// The files and their runs.

@@ -217,7 +217,7 @@ fn sensors_that_do_not_work_are_set_aside() {
         let mut rng = rng(8);
         column(&mut wrong, AMBIENT).iter_mut().for_each(|x| *x += 0.02 * normal(&mut rng));
         make(&mut wrong.runs[0].table.columns);
-        assert_eq!(sensors(&mut wrong, &[], &Deadline::default()), Ok(()), "{what}");
+        assert!(sensors(&mut wrong, &[], &Deadline::default()).is_ok(), "{what}");
         let is_noted = |n: &String| n.contains(channel) && n.contains("set aside");
         assert!(wrong.notes.iter().any(is_noted), "{what}: {:?}", wrong.notes);
     }

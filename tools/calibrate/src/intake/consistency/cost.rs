@@ -77,19 +77,28 @@ impl Cost {
         self.whole() + self.wider_than(with_mistake).max(0.0) <= readings
     }
 
-    /// Whether the cost is worse by this factor in those outputs in which the two differ, `except` for one, whatever the zeros of the
-    /// thermometers. The other outputs may lack an unrelated effect.
+    /// Whether the cost is worse by this factor in those outputs in which the two differ, `except` for one. The other outputs may lack an
+    /// unrelated effect.
     pub(super) fn is_worse_than(&self, other: &Cost, factor: f64, except: Option<usize>) -> bool {
-        let is_worse = |all: &[f64], others: &[f64]| {
-            let pairs = all.iter().zip(others).enumerate().filter(|(k, _)| Some(*k) != except);
-            let pairs = pairs.map(|(_, pair)| pair).filter(|(own, other)| (*own - *other).abs() > LEAST);
-            let (own, meant) =
-                pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
-            let (own, meant) =
-                (own + self.wider_than(other).max(0.0), meant + other.wider_than(self).max(0.0));
-            own > factor * meant && own > meant + DECISIVE
-        };
-        is_worse(&self.outputs, &other.outputs) && is_worse(&self.shapes, &other.shapes)
+        let pairs = self.outputs.iter().zip(&other.outputs).enumerate().filter(|(k, _)| Some(*k) != except);
+        self.is_worse(other, factor, pairs.map(|(_, pair)| pair))
+    }
+
+    /// The same whatever the zeros of the thermometers.
+    pub(super) fn is_worse_in_shape(&self, other: &Cost, factor: f64) -> bool {
+        self.is_worse(other, factor, self.shapes.iter().zip(&other.shapes))
+    }
+
+    fn is_worse<'a>(
+        &self,
+        other: &Cost,
+        factor: f64,
+        pairs: impl Iterator<Item = (&'a f64, &'a f64)>,
+    ) -> bool {
+        let pairs = pairs.filter(|(own, other)| (*own - *other).abs() > LEAST);
+        let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
+        let (own, meant) = (own + self.wider_than(other).max(0.0), meant + other.wider_than(self).max(0.0));
+        own > factor * meant && own > meant + DECISIVE
     }
 
     /// (3), with respect to a fit with one parameter more.

@@ -102,13 +102,22 @@ impl Mistake {
         }
     }
 
+    /// Whether it changes temperatures only.
+    pub fn is_of_temperatures(&self, experiment: &Experiment) -> bool {
+        let (all, touches) = (channels(experiment), self.touches());
+        !touches.is_empty() && touches.iter().all(|k| all[*k].is_temperature())
+    }
+
+    /// Whether it is a unit in which the column may be recorded.
+    pub fn is_plain(&self) -> bool {
+        self.change().is_some_and(|words| words.starts_with("readings in "))
+    }
+
     /// Whether it is one of the level: another unit or sign of several temperatures, or of any where a run does not start at the ambient one.
     /// Other factors of all temperatures are hardly different from other heat capacities.
     pub fn is_level(&self, experiment: &Experiment) -> bool {
         let columns = match self {
-            Mistake::Affine { columns, words, .. } if words.starts_with("readings in ") || words == SIGN => {
-                columns
-            }
+            Mistake::Affine { columns, words, .. } if self.is_plain() || words == SIGN => columns,
             Mistake::Rise(columns) | Mistake::Reversed(columns) => columns,
             _ => return false,
         };
@@ -327,22 +336,25 @@ fn without_coupling(time: &[f64], column: &[f64], tau: f64) -> Vec<f64> {
     time.iter().zip(column).map(of).collect()
 }
 
+/// Units of the time, in s. Definition: of the units; loggers count periods of the mains and ticks of tens of milliseconds, too.
+const TIMES: [(f64, &str); 9] = [
+    (1e-3, "ms"),
+    (60.0, "min"),
+    (3600.0, "h"),
+    (86_400.0, "d"),
+    (1e-6, "us"),
+    (1e3, "ks"),
+    (1e-1, "1/10 s"),
+    (1e-2, "1/100 s"),
+    (1.0 / 60.0, "1/60 s"),
+];
+
 /// All mistakes that involve these columns only.
 pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let all = channels(experiment);
     let mut found = Vec::new();
     let mut quantities: Vec<Unit> = Vec::new();
-    for (factor, unit) in [
-        (1e-3, "ms"),
-        (60.0, "min"),
-        (3600.0, "h"),
-        (86_400.0, "d"),
-        (1e-6, "us"),
-        (1e3, "ks"),
-        (1e-1, "1/10 s"),
-        (1e-2, "1/100 s"),
-        (1.0 / 60.0, "1/60 s"),
-    ] {
+    for (factor, unit) in TIMES {
         found.push(Mistake::Time(factor, Some(unit)));
     }
     let longest = experiment.runs.iter().map(|run| run.table.time.as_slice());

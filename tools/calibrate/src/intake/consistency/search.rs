@@ -31,8 +31,9 @@ const INTERVALS: f64 = 1.25;
 /// Factor of time below which a preset of another size is no explanation. Limit: time constants of motors differ by tens, not by hundreds.
 const ANOTHER_SIZE: f64 = 1e-2;
 
-/// Standard deviation of a value of another order, relative to it. Limit: units differ by thousands, and are a deviation of a few.
-const ANY_ORDER: f64 = 300.0;
+/// Greatest ratio of a value in another unit, and standard deviation of such a value relative to the present one. Limit: units differ by
+/// thousands.
+const ANY_ORDER: f64 = 2e3;
 
 /// q of (1) and the best ratio of reading to prediction, by output; `None` without readings.
 type Agreement = Vec<Option<(f64, f64)>>;
@@ -148,7 +149,9 @@ pub(super) fn wrong_value(
     experiment: &Experiment,
 ) -> Result<Option<Unusable>, CalibrateError> {
     let agree = freed(judge, experiment, ANY_ORDER)?.into_iter().filter(|(_, cost, value, own)| {
-        !cost.is_cut && !is_of_its_order(*value, *own) && cost.bad_runs().is_empty()
+        let share = value / own;
+        let is_unit = share * ANY_ORDER > 1.0 && share < ANY_ORDER;
+        !cost.is_cut && is_unit && !is_of_its_order(*value, *own) && cost.bad_runs().is_empty()
     });
     let best = agree.min_by(|a, b| a.1.whole().total_cmp(&b.1.whole()));
     Ok(best.map(|(name, _, value, own)| Unusable {
@@ -300,8 +303,10 @@ fn confirmed(
         if as_meant.is_cut {
             break;
         }
-        let is_better =
-            without.as_ref().unwrap_or(as_is).is_worse_than(&as_meant, one.mistake.factor(), None);
+        let as_is = without.as_ref().unwrap_or(as_is);
+        let factor = one.mistake.factor();
+        let is_better = as_is.is_worse_than(&as_meant, factor, None)
+            && (!one.mistake.is_of_temperatures(at) || as_is.is_worse_in_shape(&as_meant, factor));
         // What changes the level alone is a hypothesis about one number, which a missing effect confirms in part: it has to leave nothing.
         let is_whole = !one.mistake.is_level(at) || as_meant.agrees(as_is);
         if is_better && is_whole && as_meant.whole() <= judge.most {
@@ -313,10 +318,11 @@ fn confirmed(
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     while !all.is_empty() {
         let most = all[0].0 + LEAST;
-        // Structure error decides between those about the same columns that leave as little: the first in the list is the simplest.
+        // Structure error decides between a plain unit and others that leave as little; the first in the list is the simplest.
         let (columns, least) = (all[0].2.mistake.touches(), &all[0].1);
         let is_alike = |(cost, own, one): &(f64, Cost, Changed)| {
-            *cost <= most || one.mistake.touches() == columns && !own.is_worse_than(least, FACTOR, None)
+            let is_plain = one.mistake.is_plain() && one.mistake.touches() == columns;
+            *cost <= most || is_plain && !own.is_worse_than(least, FACTOR, None)
         };
         let alike = (0..all.len()).filter(|k| is_alike(&all[*k]));
         let simplest = alike.min_by_key(|k| place(&all[*k].2.mistake, at)).unwrap_or(0);
