@@ -10,7 +10,7 @@ use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
 use ::study::sweep::{
-    Case, ConstantInputs, Constraint, Goal, PRESET, Point, Sweep, Vary, Walking, check_figure, edges, sweep,
+    Case, ConstantInputs, Constraint, Goal, Point, Sweep, Vary, Walking, check_figure, count, edges, sweep,
 };
 use ::study::walk::Load;
 use serde_json::json;
@@ -109,7 +109,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
         }
         found => found?,
     };
-    let notes = setup.notes(&[])?;
+    let notes = setup.notes()?;
     crate::remark(&notes);
     if args.json {
         let outputs: serde_json::Map<_, _> =
@@ -196,19 +196,12 @@ pub struct SweepArgs {
 pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let vary = args.vary.iter().map(|text| Vary::parse(text)).collect::<Result<Vec<_>, _>>()?;
     may_write(args, &vary)?;
-    let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);
+    let points = count(&vary);
     let bar = Progress::new(&format!("{points} points"));
     let done = |n: usize| bar.at(n as f64 / points as f64);
-    let (case, notes): (Box<dyn Case>, Vec<String>) = match &args.load.load {
-        Some(file) => {
-            (Box::new(Walking { load: args.start.load(file)?, hours: args.load.hours }), Vec::new())
-        }
-        None => {
-            let setup = args.start.setup()?;
-            let varied = vary.iter().map(|v| v.name.as_str()).filter(|name| *name != PRESET);
-            let notes = setup.notes(&varied.collect::<Vec<_>>())?;
-            (Box::new(ConstantInputs { setup }), notes)
-        }
+    let case: Box<dyn Case> = match &args.load.load {
+        Some(file) => Box::new(Walking { load: args.start.load(file)?, hours: args.load.hours }),
+        None => Box::new(ConstantInputs { setup: args.start.setup()? }),
     };
     let constraints =
         args.constraints.iter().map(|text| Constraint::parse(text)).collect::<Result<_, _>>()?;
@@ -216,6 +209,7 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let found = sweep(case.as_ref(), &vary, &goal, done);
     bar.finish();
     let found = found?;
+    let notes = case.notes(&vary)?;
     crate::remark(&notes);
     if let Some(path) = &args.output {
         write(path, &found.csv())?;

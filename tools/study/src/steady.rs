@@ -3,13 +3,14 @@
 //! R_ha = (T_h - T_a)/Q_h, Q_h the heat flow from the housing to ambient                    (1)
 //! continuous torque: the torque at the current whose steady winding temperature is thermal.T_w_max (2)
 
+mod notes;
+
 use crate::StudyError;
 use crate::bench::Bench;
 use crate::numeric::try_root;
 use describe::Preset;
-use describe::usage::{self, Scope, is_integral};
+use describe::usage::is_integral;
 use physics::declare::{Causality, Kind};
-use physics::model::Entry;
 use serde::Serialize;
 
 /// Smallest heat flow from which a thermal resistance is computed, W.
@@ -65,40 +66,6 @@ impl Setup {
             bench.set_text(name, text)?;
         }
         Ok(bench)
-    }
-
-    /// What the user set without effect on the steady state in the selected modes, in one sentence each for the values
-    /// set by name, with the names in `varied`, and for the values of the preset. A value of the preset counts if it has
-    /// an effect in the modes that the preset itself selects.
-    ///
-    /// # Errors
-    /// As [`bench`](Setup::bench).
-    pub fn notes(&self, varied: &[&str]) -> Result<Vec<String>, StudyError> {
-        let bench = self.bench()?;
-        let mut notes = Vec::new();
-        let mut by_name: Vec<&'static Entry> = Vec::new();
-        for name in self.sets.iter().map(|(name, _)| name.as_str()).chain(varied.iter().copied()) {
-            let entry = bench.entry(name)?;
-            if by_name.iter().all(|other| other.name != entry.name) {
-                by_name.push(entry);
-            }
-        }
-        let unused = bench.unused(&by_name, Scope::Steady);
-        notes.extend(usage::sentence(&unused, |entry| {
-            if varied.contains(&entry.name.as_str()) { "--vary" } else { "--set" }.to_owned()
-        }));
-        if let Some(preset) = &self.preset {
-            let own = Bench::new(&self.model, Some(preset))?;
-            let given =
-                preset.starts.entries().into_iter().filter_map(|(r, _)| own.declaration().by_reference(r));
-            let given: Vec<&'static Entry> =
-                given.filter(|e| by_name.iter().all(|other| other.name != e.name)).collect();
-            let without = own.unused(&given, Scope::Steady);
-            let used = given.into_iter().filter(|e| without.iter().all(|u| u.entry.name != e.name));
-            let dropped = bench.unused(&used.collect::<Vec<_>>(), Scope::Steady);
-            notes.extend(usage::sentence(&dropped, |_| format!("preset {}", preset.name)));
-        }
-        Ok(notes)
     }
 }
 
@@ -360,40 +327,6 @@ mod tests {
                 assert!((r_ha / balance - 1.0).abs() < 1e-5, "{preset}, {mode}: {r_ha} and {balance} K/W");
             }
         }
-    }
-
-    /// A resistance of the data sheet that the selected cooling mode drops is named, and one that it uses is not.
-    #[test]
-    fn values_without_effect_are_named() {
-        let notes = |sets: &[(&str, &str)]| setup(sets).notes(&[]).unwrap();
-        let power = ("electrical_power", "10");
-        assert_eq!(notes(&[power]), Vec::<String>::new());
-        let dropped = notes(&[power, ("cooling_mode", "bare")]);
-        assert_eq!(
-            dropped,
-            [
-                "conductance.G_still (preset maxon-305015) has no effect with cooling_mode = bare, only with cooling_mode = conductance"
-            ]
-        );
-        let set = notes(&[
-            power,
-            ("conductance.G_forced", "0.2"),
-            ("cooling_mode", "annulus_push"),
-            ("voltage", "3"),
-        ]);
-        assert_eq!(set.len(), 2, "{set:?}");
-        for words in [
-            "conductance.G_forced (--set) has no effect with cooling_mode = annulus_push",
-            "voltage (--set) has no effect with drive_mode = power, only with drive_mode = voltage or pwm",
-        ] {
-            assert!(set[0].contains(words), "{words} in {set:?}");
-        }
-        assert!(set[1].starts_with("conductance.G_still (preset"), "{set:?}");
-        let varied = setup(&[power]).notes(&["fan.flow_max"]).unwrap();
-        assert!(
-            varied[0].starts_with("fan.flow_max (--vary) has no effect with cooling_mode = conductance"),
-            "{varied:?}"
-        );
     }
 
     /// Better cooling, more torque; friction at speed, less.

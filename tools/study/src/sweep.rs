@@ -166,7 +166,7 @@ pub fn sweep(
         constraints.push(constraint.clone().resolved(target.unit)?);
         targets.push(target);
     }
-    let count = vary.iter().map(|v| v.values.len()).fold(1usize, usize::saturating_mul);
+    let count = count(vary);
     if vary.is_empty() || count > MAX_POINTS {
         return Err(StudyError::new(format!("--vary makes {count} points; 1 ... {MAX_POINTS} are possible")));
     }
@@ -284,6 +284,11 @@ fn check(case: &dyn Case, vary: &[Vary]) -> Result<(), StudyError> {
         }
     }
     Ok(())
+}
+
+/// Number of points.
+pub fn count(vary: &[Vary]) -> usize {
+    vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul)
 }
 
 /// The values of point `k`; the last variable runs fastest.

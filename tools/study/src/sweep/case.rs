@@ -1,8 +1,8 @@
 //! What a sweep computes at a point: a motor at constant inputs, or under a load.
 
-use super::vary::{Choice, PRESET};
+use super::vary::{Choice, PRESET, Vary};
+use super::{count, grid_point};
 use crate::StudyError;
-use crate::bench::Bench;
 use crate::steady::{Setup, continuous_torque, steady};
 use crate::walk::{Known, Load, Objective};
 use describe::Preset;
@@ -48,6 +48,13 @@ pub trait Case: Sync {
     /// # Errors
     /// One sentence why not.
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError>;
+    /// What has no effect at any point, in sentences.
+    ///
+    /// # Errors
+    /// A value that is refused.
+    fn notes(&self, _: &[Vary]) -> Result<Vec<String>, StudyError> {
+        Ok(Vec::new())
+    }
     /// Source of the measured data that the case uses, if any.
     ///
     /// # Errors
@@ -81,14 +88,14 @@ pub struct ConstantInputs {
 }
 
 impl ConstantInputs {
-    fn with(&self, sets: &[(&str, &Choice)]) -> Result<Bench, StudyError> {
+    fn point(&self, sets: &[(&str, &Choice)]) -> Result<Setup, StudyError> {
         let mut setup = self.setup.clone();
         if let Some(preset) = preset(sets)? {
             setup.preset = Some(preset);
         }
         let others = sets.iter().filter(|(name, _)| *name != PRESET);
         setup.sets.extend(others.map(|(name, value)| ((*name).to_owned(), value.text())));
-        setup.bench()
+        Ok(setup)
     }
 }
 
@@ -116,7 +123,7 @@ impl Case for ConstantInputs {
         targets: &[Target],
         _: &mut Known,
     ) -> Result<Vec<f64>, StudyError> {
-        let mut bench = self.with(sets)?;
+        let mut bench = self.point(sets)?.bench()?;
         let at_limit = |name: &str| matches!(name, "continuous_torque" | "torque_density");
         let continuous =
             targets.iter().any(|t| at_limit(&t.name)).then(|| continuous_torque(&bench)).transpose()?;
@@ -133,7 +140,20 @@ impl Case for ConstantInputs {
     }
 
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError> {
-        self.with(&[(name, value)]).map(|_| ())
+        self.point(&[(name, value)])?.bench().map(|_| ())
+    }
+
+    /// Points with other numbers within a range are in the same modes as its ends.
+    fn notes(&self, vary: &[Vary]) -> Result<Vec<String>, StudyError> {
+        let ends: Vec<Vary> = vary.iter().map(Vary::ends).collect();
+        let points = (0..count(&ends)).map(|k| {
+            let values = grid_point(&ends, k);
+            self.point(
+                &ends.iter().zip(&values).map(|(v, value)| (v.name.as_str(), value)).collect::<Vec<_>>(),
+            )
+        });
+        let names = vary.iter().map(|v| v.name.as_str()).filter(|name| *name != PRESET);
+        Setup::notes_of(&points.collect::<Result<Vec<_>, _>>()?, &names.collect::<Vec<_>>())
     }
 }
 
