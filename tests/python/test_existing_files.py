@@ -49,6 +49,13 @@ def test_results_of_another_subject_are_refused(motor_fmu, archive_paths, tmp_pa
     one_sentence(motor_fmu("preset", "new", "--name", "q", *PRESET[4:], "--output", "p.toml"), CANNOT, "p.toml", "--force")
 
 
+@pytest.mark.parametrize("command", [PRESET, SWEEP[:3]])
+@pytest.mark.parametrize("path", ["-", "/dev/stdout", "/dev/fd/1"])
+def test_a_result_on_the_standard_output_is_refused(motor_fmu, tmp_path, command, path):
+    one_sentence(motor_fmu(*command, "--output", path), CANNOT, path, "name a file")
+    assert not list(tmp_path.iterdir())
+
+
 SYSTEM = '[system]\nname = "one"\n[experiment]\nstop = 0.01\nstep = 0.001\n[[component]]\nname = "m"\nfmu = "{}"\n'
 
 

@@ -90,6 +90,17 @@ pub fn check_place(path: &Path) -> Result<(), Failure> {
     }
 }
 
+/// As [`check_place`], for a command whose standard output has a summary that the file would mix with.
+pub fn check_file(path: &Path) -> Result<(), Failure> {
+    if ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name)) {
+        return Err(Failure::new(format!(
+            "--output {} is the standard output, to which the summary goes: name a file",
+            path.display()
+        )));
+    }
+    check_place(path)
+}
+
 /// The beginning of a file.
 pub fn head(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();

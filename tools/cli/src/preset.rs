@@ -1,6 +1,6 @@
 //! `motor-fmu preset new`: a preset from a datasheet.
 
-use crate::existing::{Force, check_place, head};
+use crate::existing::{Force, check_file, head};
 use crate::parent::complain;
 use crate::{Failure, say, say_json};
 use ::study::datasheet::{
@@ -120,7 +120,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         Failure::new(lines.join("\n"))
     })?;
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", sheet.name)));
-    check_place(&path)?;
+    check_file(&path)?;
     let same =
         |from: &PathBuf| from.canonicalize().is_ok_and(|from| path.canonicalize().is_ok_and(|to| to == from));
     if args.from.as_ref().is_some_and(same) {

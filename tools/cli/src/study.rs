@@ -3,7 +3,7 @@
 mod walk;
 
 use crate::drawing;
-use crate::existing::{Force, check_place, header};
+use crate::existing::{Force, check_file, header};
 use crate::progress::Progress;
 use crate::{Failure, write};
 use ::study::StudyError;
@@ -232,7 +232,7 @@ fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
     let varied: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
     let names = varied.join(", ");
     if let Some(path) = &args.output {
-        check_place(path)?;
+        check_file(path)?;
         args.force.check(path, &format!("a table of a sweep over {names}"), |path| {
             let columns = header(path);
             columns.len() > varied.len() && columns.iter().zip(&varied).all(|(column, name)| column == name)
