@@ -63,6 +63,13 @@ pub fn unused(model: &dyn Model, candidates: &[&'static Entry], scope: Scope) ->
         .collect()
 }
 
+/// The variables among `candidates` that have an effect at the inputs that are set on the model, which has not started.
+pub fn effective(model: &dyn Model, candidates: &[&'static Entry], scope: Scope) -> Vec<&'static Entry> {
+    let point = |turn| Some((model.boxed_clone(), read(model, turn, scope)?));
+    let points = Points { scope, at: (0..2).filter_map(point).collect() };
+    candidates.iter().copied().filter(|entry| points.moved_by(entry)).collect()
+}
+
 /// A model with these start values and resources, which has not started.
 pub fn with_starts(kind: &ModelType, starts: &StartValues, resources: &Resources) -> Box<dyn Model> {
     let (mut model, declaration) = ((kind.new)(), (kind.declaration)());

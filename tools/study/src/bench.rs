@@ -189,6 +189,11 @@ impl Bench {
         describe::usage::unused(self.model.as_ref(), candidates, scope)
     }
 
+    /// Those of `candidates` that have an effect on the steady state at the present inputs; called before the start.
+    pub fn effective(&self, candidates: &[&'static Entry]) -> Vec<&'static Entry> {
+        describe::usage::effective(self.model.as_ref(), candidates, Scope::Steady)
+    }
+
     /// The declared outputs that are temperatures.
     pub fn temperatures(&self) -> impl Iterator<Item = &'static Entry> + use<> {
         self.declaration

@@ -3,6 +3,7 @@
 use super::vary::{Choice, PRESET, Vary};
 use super::{count, grid_point};
 use crate::StudyError;
+use crate::notes::Notes;
 use crate::steady::{Setup, continuous_torque, steady};
 use crate::walk::{Known, Load, Objective};
 use describe::Preset;
@@ -78,6 +79,24 @@ fn unit_of(entry: &Entry) -> &'static str {
     }
 }
 
+/// The names that are varied, without the preset.
+fn names(vary: &[Vary]) -> Vec<&str> {
+    vary.iter().map(|v| v.name.as_str()).filter(|name| *name != PRESET).collect()
+}
+
+/// Something of each point that notes are made for. Points within a range are in the same modes as its ends.
+fn at_ends<T>(
+    vary: &[Vary],
+    of: impl Fn(&[(&str, &Choice)]) -> Result<T, StudyError>,
+) -> Result<Vec<T>, StudyError> {
+    let ends: Vec<Vary> = vary.iter().map(Vary::ends).collect();
+    let at = |k| {
+        let values = grid_point(&ends, k);
+        of(&ends.iter().zip(&values).map(|(v, value)| (v.name.as_str(), value)).collect::<Vec<_>>())
+    };
+    (0..count(&ends)).map(at).collect()
+}
+
 /// A motor at constant inputs.
 ///
 /// Its quantities are `continuous_torque`, N.m; `torque_density`, the same per total mass, N.m/kg; and the outputs in steady state.
@@ -143,17 +162,9 @@ impl Case for ConstantInputs {
         self.point(&[(name, value)])?.bench().map(|_| ())
     }
 
-    /// Points with other numbers within a range are in the same modes as its ends.
     fn notes(&self, vary: &[Vary]) -> Result<Vec<String>, StudyError> {
-        let ends: Vec<Vary> = vary.iter().map(Vary::ends).collect();
-        let points = (0..count(&ends)).map(|k| {
-            let values = grid_point(&ends, k);
-            self.point(
-                &ends.iter().zip(&values).map(|(v, value)| (v.name.as_str(), value)).collect::<Vec<_>>(),
-            )
-        });
-        let names = vary.iter().map(|v| v.name.as_str()).filter(|name| *name != PRESET);
-        Setup::notes_of(&points.collect::<Result<Vec<_>, _>>()?, &names.collect::<Vec<_>>())
+        let points = at_ends(vary, |sets| self.point(sets))?;
+        Setup::notes_of(&points, &names(vary))
     }
 }
 
@@ -221,6 +232,12 @@ impl Case for Walking {
 
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError> {
         self.with(&[(name, value)]).map(|_| ())
+    }
+
+    fn notes(&self, vary: &[Vary]) -> Result<Vec<String>, StudyError> {
+        let names = names(vary);
+        let points = at_ends(vary, |sets| self.with(sets)?.noted(&names))?;
+        Ok(Notes::sentences(points, &names))
     }
 
     fn source(&self) -> Result<Option<String>, StudyError> {

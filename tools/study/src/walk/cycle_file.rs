@@ -347,6 +347,12 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, String> {
         let place = place.ok_or_else(|| {
             format!("{name} has no column {header}; its columns are {}", headers.join(", "))
         })?;
+        if headers.iter().filter(|h| **h == headers[place]).count() > 1 {
+            return Err(format!(
+                "{name} has several columns {}: give each column its own name",
+                headers[place]
+            ));
+        }
         let si = COLUMNS[kind].1;
         let conversion = match unit.as_deref().or_else(|| name_and_unit(&headers[place]).1) {
             None => unchanged(),

@@ -25,6 +25,7 @@
 //! ```
 
 mod file;
+mod notes;
 
 use super::cycle_file::{Cycle, Drive, SCALE, SETTINGS, Setting};
 use super::mix::Mix;
@@ -68,7 +69,7 @@ const THE_GAIT: usize = 2;
 #[derive(Clone)]
 pub struct Load {
     benches: [Bench; 3],
-    /// Variables of the actuator that were set explicitly.
+    /// Variables of the motor and the actuator that the file or a setting gives.
     pub(super) explicit: BTreeSet<String>,
     /// In place of actuator and gait.
     cycle: Option<(Arc<Cycle>, Drive)>,
@@ -82,6 +83,7 @@ pub struct Load {
 struct Origin {
     text: String,
     file: String,
+    preset: Option<Preset>,
     sets: Vec<(String, String)>,
 }
 
@@ -244,9 +246,7 @@ impl Load {
             )));
         }
         self.benches[place].set_text(name, text)?;
-        if place == THE_ACTUATOR {
-            self.explicit.insert(name.to_owned());
-        }
+        self.explicit.insert(name.to_owned());
         Ok(())
     }
 

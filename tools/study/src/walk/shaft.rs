@@ -22,6 +22,15 @@ const DRAG_EVALUATIONS: usize = 2;
 /// Number of states before the temperatures: current and speed are imposed.
 const FIRST: usize = 0;
 
+/// What a cycle sets on its motor.
+pub(super) const GIVEN: [&str; 4] = ["drive_mode", "mechanical_mode", "imposed_speed", "current_command"];
+
+/// Sets the modes of a motor under a cycle.
+pub(super) fn set_modes(motor: &mut Bench) -> Result<(), StudyError> {
+    motor.set_text("drive_mode", "current")?;
+    motor.set_text("mechanical_mode", "imposed_speed")
+}
+
 #[derive(Clone, Copy)]
 struct Slots {
     speed: Slot,
@@ -56,8 +65,7 @@ impl Clone for Shaft {
 
 impl Shaft {
     pub(super) fn start(mut motor: Bench, cycle: Arc<Cycle>, drive: Drive) -> Result<Shaft, StudyError> {
-        motor.set_text("drive_mode", "current")?;
-        motor.set_text("mechanical_mode", "imposed_speed")?;
+        set_modes(&mut motor)?;
         let slot = |name: &str| Ok::<Slot, StudyError>(motor.entry(name)?.slot);
         let slots = Slots {
             speed: slot("imposed_speed")?,
