@@ -10,10 +10,12 @@ use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
 use ::study::sweep::{
-    Case, ConstantInputs, Constraint, Goal, Point, Sweep, Vary, Walking, check_figure, count, edges, sweep,
+    Case, ConstantInputs, Constraint, Goal, PRESET, Point, Sweep, Vary, Walking, check_figure, count, edges,
+    sweep,
 };
 use ::study::walk::Load;
 use serde_json::json;
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -40,7 +42,7 @@ pub struct LoadArgs {
     #[arg(long, value_name = "load.toml")]
     pub load: Option<PathBuf>,
     /// Longest duration of the walk in hours, with --load
-    #[arg(long, value_name = "H", default_value_t = 2.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "H", default_value_t = 2.0, allow_negative_numbers = true, requires = "load")]
     pub hours: f64,
 }
 
@@ -126,14 +128,14 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let mut text = format!("{} in steady state\n", args.start.model);
-    for unit in ["K", "W"] {
+    for unit in ["rad/s", "N.m", "A", "V", "K", "W"] {
         for v in found.of_unit(unit) {
-            let celsius = if unit == "K" && !v.name.ends_with("margin") {
-                format!("  ({:.2} degC)", v.value - 273.15)
-            } else {
-                String::new()
+            let also = match unit {
+                "rad/s" => format!("  ({} rpm)", rounded(v.value * 30.0 / PI)),
+                "K" if !v.name.ends_with("margin") => format!("  ({:.2} degC)", v.value - 273.15),
+                _ => String::new(),
             };
-            text += &format!("  {:30} {:>12} {unit}{celsius}\n", v.name, rounded(v.value));
+            text += &format!("  {:30} {:>12} {unit}{also}\n", v.name, rounded(v.value));
         }
     }
     if let Some(r_ha) = found.r_ha {
@@ -141,8 +143,9 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     }
     text += &match continuous {
         Ok(c) => format!(
-            "continuous torque {} N.m at {} A, {} N.m/kg, with the winding at {:.2} K\n",
+            "continuous torque {} N.m at {} rad/s and {} A, {} N.m/kg, with the winding at {:.2} K\n",
             significant(c.torque),
+            significant(c.speed),
             significant(c.current),
             significant(c.torque_density),
             c.winding_temperature
@@ -172,7 +175,7 @@ pub struct SweepArgs {
     /// cooling_mode=bare,annulus_push or gait.activity=walk,stairs_up; preset=NAME,FILE,... varies the motor. May be repeated
     #[arg(long = "vary", required = true, value_name = "NAME=FROM:TO:N|V,V,...")]
     vary: Vec<String>,
-    /// continuous_torque, torque_density (both at the winding's limit), or an output in steady state; with --load
+    /// continuous_torque, torque_density (both at the winding's limit and the speed of the point), or an output in steady state; with --load
     /// continuous_torque and torque_density at the joint, continuous_support, winding_temperature, supply_power,
     /// torque_error or time_to_limit. Temperatures, losses, powers and errors are minimized, the others maximized. May be repeated
     #[arg(long = "objective", value_name = "NAME", default_value = "continuous_torque")]
@@ -209,7 +212,7 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let found = sweep(case.as_ref(), &vary, &goal, done);
     bar.finish();
     let found = found?;
-    let notes = case.notes(&vary)?;
+    let notes = [replaced(args, &vary), case.notes(&vary)?].concat();
     crate::remark(&notes);
     if let Some(path) = &args.output {
         write(path, &found.csv())?;
@@ -225,6 +228,16 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         crate::say(&summary(&found, &vary));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What --vary replaces.
+fn replaced(args: &SweepArgs, vary: &[Vary]) -> Vec<String> {
+    let is_varied = |name: &str| vary.iter().any(|v| v.name == name);
+    let sets = args.start.sets.iter().filter(|(name, _)| is_varied(name));
+    let preset = args.start.preset.as_ref().filter(|_| is_varied(PRESET));
+    let replaced = sets.map(|(name, text)| format!("--set {name}={text}"));
+    let replaced = replaced.chain(preset.map(|name| format!("--preset {name}")));
+    replaced.map(|what| format!("{what} has no effect: --vary gives other values")).collect()
 }
 
 /// Refuses files that are no earlier results of a sweep over the same variables.

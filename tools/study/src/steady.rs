@@ -3,8 +3,6 @@
 //! R_ha = (T_h - T_a)/Q_h, Q_h the heat flow from the housing to ambient                    (1)
 //! continuous torque: the torque at the current whose steady winding temperature is thermal.T_w_max (2)
 
-mod notes;
-
 use crate::StudyError;
 use crate::bench::Bench;
 use crate::numeric::try_root;
@@ -106,6 +104,8 @@ impl Steady {
 /// Continuous torque.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Continuous {
+    /// Speed of the shaft, rad/s.
+    pub speed: f64,
     /// Current, A.
     pub current: f64,
     /// Torque at the shaft, N.m.
@@ -137,7 +137,7 @@ pub fn steady(bench: &mut Bench) -> Result<Steady, StudyError> {
     Ok(found)
 }
 
-/// The continuous torque of the model at its imposed_speed, eq. (2).
+/// The continuous torque of the model, eq. (2), at its imposed_speed, or with a free shaft at the speed of the steady state.
 ///
 /// The search runs in the square of the current, to which the temperature is nearly proportional; a current
 /// with thermal runaway is too high.
@@ -152,8 +152,13 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
             "{name} has no continuous torque: it needs drive_mode current and thermal.T_w_max"
         )));
     }
-    bench.set_text("drive_mode", "current")?;
+    let mut operating = bench.clone();
     bench.set_text("mechanical_mode", "imposed_speed")?;
+    if operating.get("mechanical_mode")? != bench.get("mechanical_mode")? {
+        operating.steady_state()?;
+        bench.set("imposed_speed", operating.get("shaft_speed")?)?;
+    }
+    bench.set_text("drive_mode", "current")?;
     let limit = bench.get("thermal.T_w_max")?;
     let greatest = bench.entry("current_command")?.row.max;
     bench.start()?;
@@ -189,6 +194,7 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
         .ok_or_else(|| StudyError::new(format!("{name}: no current brings the winding to {limit} K")))?;
     excess(square)?;
     Ok(Continuous {
+        speed: settled.get("shaft_speed")?,
         current: square.sqrt(),
         torque: settled.get("shaft_torque")?,
         torque_density: settled.get("torque_density")?,
@@ -336,6 +342,17 @@ mod tests {
         let still = torque(&[]);
         assert!(torque(&[("fan_command", "1")]) > 1.3 * still);
         assert!(torque(&[("imposed_speed", "500")]) < 0.95 * still);
+    }
+
+    /// With a free shaft the speed is that of the operating point.
+    #[test]
+    fn the_continuous_torque_belongs_to_the_speed_of_the_operating_point() {
+        let load = [("voltage", "24"), ("load_torque", "0.05")];
+        let speed = steady(&mut setup(&load).bench().unwrap()).unwrap().get("shaft_speed").unwrap();
+        let at = |sets: &[(&str, &str)]| continuous_torque(&setup(sets).bench().unwrap()).unwrap();
+        let (free, imposed) = (at(&load), at(&[("imposed_speed", &speed.to_string())]));
+        assert!(free.speed == imposed.speed && speed > 500.0, "{free:?} {speed}");
+        assert!((free.torque / imposed.torque - 1.0).abs() < 1e-6, "{free:?} {imposed:?}");
     }
 
     #[test]
