@@ -25,7 +25,7 @@ pub(crate) struct Notes {
 }
 
 impl Notes {
-    /// Adds what is foreign to a motor; `is_given` tells whether a value is set beside the preset.
+    /// Adds what is foreign to a motor; `is_given` is true for a value that is set beside the preset.
     pub fn add_foreign(&mut self, bench: &Bench, preset: Option<&Preset>, is_given: impl Fn(&str) -> bool) {
         let entries = || bench.declaration().entries.iter();
         let Some(preset) = preset else {

@@ -6,6 +6,7 @@
 use crate::StudyError;
 use crate::bench::Bench;
 use crate::numeric::try_root;
+use crate::reproduce::significant;
 use describe::Preset;
 use describe::usage::is_integral;
 use physics::declare::{Causality, Kind};
@@ -15,6 +16,9 @@ use serde::Serialize;
 const LEAST_HEAT: f64 = 1e-3;
 /// Relative width of the bracket about the continuous current squared at which the search ends.
 const CURRENT_TOLERANCE: f64 = 1e-8;
+/// Items of drive_mode: current; voltage and pwm.
+const CURRENT: i32 = 3;
+const BY_VOLTAGE: [i32; 2] = [1, 2];
 /// Inputs that call for a drive mode: name, item.
 const DRIVES: [(&str, &str); 4] =
     [("electrical_power", "power"), ("current_command", "current"), ("duty", "pwm"), ("voltage", "voltage")];
@@ -121,7 +125,13 @@ pub struct Continuous {
 /// # Errors
 /// No steady state, in one sentence.
 pub fn steady(bench: &mut Bench) -> Result<Steady, StudyError> {
-    bench.steady_state()?;
+    let cold = bench.clone();
+    bench.steady_state().map_err(|error| match error {
+        StudyError::Unsettled(sentence) => StudyError::Unsettled(
+            cause(cold, bench).map_or(sentence.clone(), |cause| format!("{sentence}; {cause}")),
+        ),
+        other => other,
+    })?;
     let mut outputs = Vec::new();
     for entry in &bench.declaration().entries {
         if entry.row.causality == Causality::Output && entry.row.kind == Kind::Real && !is_integral(entry) {
@@ -135,6 +145,32 @@ pub fn steady(bench: &mut Bench) -> Result<Steady, StudyError> {
         .filter(|heat| heat.flow.abs() > LEAST_HEAT)
         .map(|heat| (heat.housing - heat.ambient) / heat.flow);
     Ok(found)
+}
+
+/// Likely cause of a run without steady state, from its beginning and its end: a blocked shaft, or a current that accelerates it without
+/// limit.
+fn cause(mut cold: Bench, bench: &mut Bench) -> Option<String> {
+    let is_free = cold.get("mechanical_mode").ok()? == 1.0;
+    let (drive, load) = (cold.get("drive_mode").ok()?, cold.get("load_torque").ok()?);
+    cold.start().ok()?;
+    if is_free && drive == f64::from(CURRENT) {
+        let (current, k_t) = (cold.get("current").ok()?, cold.get("torque_constant").ok()?);
+        let speed = bench.get("shaft_speed").ok()?;
+        let accelerates = current * k_t * speed > load * speed;
+        let [torque, current, load, speed] = [current * k_t, current, load, speed].map(significant);
+        return accelerates.then(|| {
+            format!(
+                "the shaft accelerates without limit, at the end with {speed} rad/s: current_command = {current} A gives {torque} N.m and \
+                 load_torque is {load} N.m"
+            )
+        });
+    }
+    let is_blocked = !is_free && cold.get("imposed_speed").ok()? == 0.0;
+    (is_blocked && BY_VOLTAGE.map(f64::from).contains(&drive)).then(|| {
+        "the shaft is at a standstill (imposed_speed = 0), where the resistance alone limits the current; --set load_torque=... leaves the \
+         shaft free"
+            .to_owned()
+    })
 }
 
 /// The continuous torque of the model, eq. (2), at its imposed_speed, or with a free shaft at the speed of the steady state.
@@ -353,6 +389,22 @@ mod tests {
         let (free, imposed) = (at(&load), at(&[("imposed_speed", &speed.to_string())]));
         assert!(free.speed == imposed.speed && speed > 500.0, "{free:?} {speed}");
         assert!((free.torque / imposed.torque - 1.0).abs() < 1e-6, "{free:?} {imposed:?}");
+    }
+
+    #[test]
+    fn the_likely_cause_of_a_run_without_steady_state_is_named() {
+        for (sets, words) in [
+            (&[("voltage", "24")][..], "the shaft is at a standstill (imposed_speed = 0)"),
+            (
+                &[("current_command", "3"), ("load_torque", "0.05")],
+                "current_command = 3.000 A gives 0.08280 N.m and load_torque is 0.05000 N.m",
+            ),
+        ] {
+            let error = steady(&mut setup(sets).bench().unwrap()).unwrap_err().to_string();
+            assert!(error.contains(words) && !error.contains('\n'), "{error}");
+        }
+        let hot = steady(&mut setup(&[("current_command", "12")]).bench().unwrap()).unwrap_err().to_string();
+        assert!(!hot.contains("shaft"), "{hot}");
     }
 
     #[test]

@@ -55,7 +55,9 @@ impl Value {
     /// As given, with its unit.
     pub fn text(&self) -> String {
         let unit = if self.given.1 == "1" { "" } else { &self.given.1 };
-        format!("{} {unit}", self.given.0).trim_end().to_owned()
+        let number = self.given.0;
+        let number = if number < 1e15 { number.to_string() } else { format!("{number:e}") };
+        format!("{number} {unit}").trim_end().to_owned()
     }
 }
 

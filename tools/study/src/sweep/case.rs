@@ -5,8 +5,9 @@ use super::{count, grid_point};
 use crate::StudyError;
 use crate::notes::Notes;
 use crate::steady::{Setup, continuous_torque, steady};
-use crate::walk::{Known, Load, Objective};
+use crate::walk::{Known, Load, Objective, Setting};
 use describe::Preset;
+use describe::preset::nearest;
 use physics::declare::Kind;
 use physics::model::Entry;
 use serde::Serialize;
@@ -49,6 +50,8 @@ pub trait Case: Sync {
     /// # Errors
     /// One sentence why not.
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError>;
+    /// Limits of a variable, where it has some.
+    fn limits(&self, name: &str) -> Option<(f64, f64)>;
     /// What has no effect at any point, in sentences.
     ///
     /// # Errors
@@ -122,10 +125,15 @@ impl Case for ConstantInputs {
     fn target(&self, name: &str) -> Result<Target, StudyError> {
         let bench = self.setup.bench()?;
         let output = if name == "continuous_torque" { "shaft_torque" } else { name };
-        let entry = bench.entry(output)?;
-        if !bench.is_output(output) {
-            return Err(StudyError::new(format!("--objective {output} is no output of the model")));
-        }
+        let Some(entry) = bench.declaration().by_name(output).filter(|_| bench.is_output(output)) else {
+            if Objective::named(name).is_ok() {
+                return Err(StudyError::new("it is an objective only with --load"));
+            }
+            let entries = bench.declaration().entries.iter().map(|e| e.name.as_str());
+            let outputs = entries.filter(|name| bench.is_output(name)).chain(["continuous_torque"]);
+            let hint = if name.is_empty() { String::new() } else { nearest(name, outputs) };
+            return Err(StudyError::new(format!("it is no output of {}{hint}", bench.declaration().name)));
+        };
         let unit = entry.row.unit.name();
         let losses = ["power_electrical", "loss_copper", "loss_iron", "loss_friction", "loss_drive"];
         let least_is_best = (unit == "K" && !entry.row.relative) || losses.contains(&name);
@@ -160,6 +168,11 @@ impl Case for ConstantInputs {
 
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError> {
         self.point(&[(name, value)])?.bench().map(|_| ())
+    }
+
+    fn limits(&self, name: &str) -> Option<(f64, f64)> {
+        let row = self.setup.bench().ok()?.entry(name).ok()?.row;
+        Some((row.min, row.max))
     }
 
     fn notes(&self, vary: &[Vary]) -> Result<Vec<String>, StudyError> {
@@ -232,6 +245,14 @@ impl Case for Walking {
 
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError> {
         self.with(&[(name, value)]).map(|_| ())
+    }
+
+    fn limits(&self, name: &str) -> Option<(f64, f64)> {
+        if let Some(setting) = Setting::named(name) {
+            return Some(setting.limits());
+        }
+        let row = self.load.owner(name).ok()?.entry(name).ok()?.row;
+        Some((row.min, row.max))
     }
 
     fn notes(&self, vary: &[Vary]) -> Result<Vec<String>, StudyError> {

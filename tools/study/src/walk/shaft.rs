@@ -9,6 +9,7 @@ use super::periodic::Periodic;
 use super::walker::period;
 use crate::StudyError;
 use crate::bench::Bench;
+use crate::reproduce::significant;
 use physics::model::{Model, Slot};
 use std::sync::Arc;
 
@@ -151,7 +152,21 @@ impl Shaft {
             look(self, step);
             let time = self.done as f64 * self.h;
             let motor = &mut self.motor;
-            motor.step(time, self.h).map_err(|fault| StudyError::of_step(&**motor, &fault))?;
+            motor.step(time, self.h).map_err(|fault| {
+                let sentence = StudyError::of_step(&**motor, &fault).to_string();
+                let peak = self.cycle.table(scale / ratio).torques.into_iter().fold(0.0, |p: f64, t| p.max(t.abs()));
+                let current = significant(peak / motor.get(self.slots.k_t));
+                let gear = match ratio {
+                    1.0 => "no ratio is given".to_owned(),
+                    ratio => format!("the ratio is {}", significant(ratio)),
+                };
+                let cause = format!(
+                    "{}; the peak torque of the cycle is {} N.m at the motor ({gear}), for which it needs {current} A",
+                    sentence.trim_end_matches('.'),
+                    significant(peak)
+                );
+                if motor.ended() { StudyError::Unsettled(cause) } else { StudyError::new(cause) }
+            })?;
             self.done += 1;
             let winding = motor.get(self.slots.winding);
             s.winding_temperature = s.winding_temperature.max(winding);
