@@ -225,7 +225,7 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         result["notes"] = json!(notes);
         crate::say_json(&result)?;
     } else {
-        crate::say(&summary(&found, &vary));
+        crate::say(&summary(&found, &vary, case.as_ref()));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -258,7 +258,7 @@ fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
     drawing::check(args.plot.as_deref(), args.force, "a figure of a sweep", is_title)
 }
 
-fn summary(found: &Sweep, vary: &[Vary]) -> String {
+fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     let mut text = format!("{} points\n", found.points.len());
     if let Some(source) = &found.source {
         text += &format!("load: {source}\n");
@@ -294,7 +294,7 @@ fn summary(found: &Sweep, vary: &[Vary]) -> String {
         );
     }
     if found.objectives.len() > 1 {
-        text += &pareto(found, vary);
+        text += &pareto(found, vary, case);
     }
     text
 }
@@ -329,7 +329,7 @@ fn infeasible(found: &Sweep) -> String {
 }
 
 /// The Pareto set as a table, best first in the first objective. A star marks a value at an end of its range.
-fn pareto(found: &Sweep, vary: &[Vary]) -> String {
+fn pareto(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     let mut points: Vec<&Point> = found.points.iter().filter(|p| p.pareto).collect();
     points.sort_by(|a, b| a.objectives[0].total_cmp(&b.objectives[0]));
     if !found.objectives[0].least_is_best {
@@ -340,7 +340,7 @@ fn pareto(found: &Sweep, vary: &[Vary]) -> String {
     let mut rows: Vec<Vec<String>> =
         vec![heads.chain(found.objectives.iter().map(|o| format!("{}{}", o.name, unit(o.unit)))).collect()];
     for point in &points {
-        let ends = edges(vary, &point.values);
+        let ends = edges(case, vary, &point.values);
         let at_end = |k: usize| ends.iter().any(|e| e.name == found.varied[k]);
         let values = point
             .values

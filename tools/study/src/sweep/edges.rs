@@ -17,8 +17,8 @@ pub struct Edge {
     pub end: &'static str,
 }
 
-/// The variables that are at an end of their range.
-pub fn edges(vary: &[Vary], at: &[Choice]) -> Vec<Edge> {
+/// The variables that are at an end of their range, behind which more values are possible.
+pub fn edges(case: &dyn Case, vary: &[Vary], at: &[Choice]) -> Vec<Edge> {
     let edge = |(v, value): (&Vary, &Choice)| {
         let (numbers, value) = (v.numbers()?, value.number()?);
         let (least, most) =
@@ -29,21 +29,20 @@ pub fn edges(vary: &[Vary], at: &[Choice]) -> Vec<Edge> {
             value if value == most => "upper",
             _ => return None,
         };
+        if case.limits(&v.name).is_some_and(|(low, high)| value <= low || value >= high) {
+            return None;
+        }
         Some(Edge { name: v.name.clone(), value, end })
     };
     vary.iter().zip(at).filter_map(edge).collect()
 }
 
-/// The edges of the best point behind which an optimum may lie: no limits of a variable, and none where all points are equally good.
+/// The edges of the best point; none where all points are equally good.
 pub(super) fn open_edges(case: &dyn Case, vary: &[Vary], best: &Point, points: &[Point]) -> Vec<Edge> {
     let values: Vec<f64> = points.iter().filter_map(|p| p.objective).collect();
     let is_equal = |v: &f64| values.iter().all(|w| (v - w).abs() <= EQUAL * v.abs().max(w.abs()));
     if values.len() > 1 && values.first().is_some_and(is_equal) {
         return Vec::new();
     }
-    let mut found = edges(vary, &best.values);
-    found.retain(|edge| {
-        case.limits(&edge.name).is_none_or(|(low, high)| edge.value > low && edge.value < high)
-    });
-    found
+    edges(case, vary, &best.values)
 }
