@@ -143,6 +143,7 @@ def operating_ranges(motors: dict, path):
             panel.plot([m["printed_mNm"]], [m["nominal_speed_rpm"]], "o", color=RED, ms=5, label="printed nominal point, ±10 %")
             panel.set(title=name, xlabel="torque in mN·m", ylabel="speed in rpm", xlim=(0, widest), ylim=(0, None))
         handles, labels = grid.flat[0].get_legend_handles_labels()
-        canvas.legend(handles, labels, loc="outside lower center", ncols=4)
+        legend = canvas.legend(handles, labels, loc="outside lower center", ncols=2)
         canvas.savefig(path, metadata={"Date": None})
+        assert legend.get_window_extent().width < canvas.bbox.width, "the legend is wider than the figure"
         plt.close(canvas)

@@ -1,6 +1,7 @@
 """Bad input through the `motor-fmu` program: exit code 1 = check failed, 2 = could not run."""
 
 import json
+import os
 import re
 import subprocess
 import zipfile
@@ -117,6 +118,18 @@ def test_archive_that_is_no_zip(motor_fmu, tmp_path):
     file = tmp_path / "broken.fmu"
     file.write_bytes(b"this is not a zip archive")
     one_sentence(motor_fmu("simulate", file), CANNOT, "broken.fmu")
+
+
+def test_temporary_folder_that_is_missing(program, archive_paths, tmp_path):
+    done = subprocess.run(
+        [program, "simulate", archive_paths[2]],
+        env={**os.environ, "TMPDIR": str(tmp_path / "gone")},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=300,
+    )
+    one_sentence(done, CANNOT, "temporary folder", "TMPDIR", "gone")
 
 
 def test_archive_without_its_library(motor_fmu, archive_paths, tmp_path):

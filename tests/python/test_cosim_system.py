@@ -86,6 +86,9 @@ def test_numbers_have_units_in_and_out(cosim, motor_fmu, toml, tmp_path):
     for name, unit, factor, offset in (("winding_temperature", "degC", 1, -273.15), ("shaft_speed", "rpm", 30 / pi, 0)):
         values = [(float(a[f"motor.{name} [{unit}]"]), float(b[f"motor.{name}"])) for a, b in zip(shown, plain)]
         assert all(a == pytest.approx(factor * b + offset, rel=1e-9, abs=1e-9) for a, b in values)
+    (tmp_path / "in.csv").write_text("time,motor.ambient_temperature\n0,35\n")
+    given = cosim(*short, "--units", "datasheet", "--input", tmp_path / "in.csv", *sets[2:])["final"]
+    assert given["motor.winding_temperature"] == pytest.approx(float(shown[-1]["motor.winding_temperature [degC]"]), rel=1e-12)
     done = motor_fmu("cosim", *short, "--set", "motor.ambient_temperature=35 mm")
     assert done.returncode == 2 and "mm" in done.stderr and "ambient_temperature" in done.stderr
 

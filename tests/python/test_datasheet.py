@@ -272,6 +272,12 @@ def test_outputs_units_and_every_of_simulate(motor_fmu, archive_paths, tmp_path)
     for a, b in zip(si, shown, strict=True):
         assert b == pytest.approx([a[0], a[1] * 9.549296585513721, a[2] - 273.15], rel=1e-9, abs=1e-9)
     assert last["housing_temperature"] == pytest.approx(shown[-1][2])
+    (tmp_path / "in.csv").write_text("time,ambient_temperature,imposed_speed\n0,35,1000\n")
+    imposed = ["--input", "in.csv", "--set", "mechanical_mode=imposed_speed"]
+    _, shown, _ = recorded(*chosen, *imposed, "--units", "datasheet")
+    assert shown[0][1:] == pytest.approx([1000.0, 35.0])
+    done = motor_fmu(*run, "--outputs", "voltage")
+    assert done.returncode == CANNOT and "voltage is no output (causality input); --record voltage records it" in done.stderr
     done = motor_fmu(*run, "--outputs", "shaft_sped")
     assert done.returncode == CANNOT and "did you mean shaft_speed?" in done.stderr
     done = motor_fmu(*run, "--set", "voltage=3 A")

@@ -1,5 +1,7 @@
 """An existing file is overwritten if it is an earlier result of the same command, or with --force; any other file is refused."""
 
+from pathlib import Path
+
 import pytest
 from test_cli_bad_input import CANNOT, one_sentence
 
@@ -128,3 +130,25 @@ def test_fit_and_close_loop_do_not_replace_the_results_of_each_other(motor_fmu, 
     (tmp_path / "out" / file).write_text(texts[file])
     one_sentence(motor_fmu(command, "e.toml", "--out", "out"), CANNOT, file, f"of {command} for the experiment e", "--force")
     assert (tmp_path / "out" / file).read_text() == texts[file]
+
+
+@pytest.mark.parametrize("place", ["-", "/dev/stdout", "/dev/fd/1"])
+def test_a_table_on_the_standard_output(motor_fmu, archive_paths, tmp_path, place):
+    """The FMU runs in a process whose standard output is not that of the command."""
+    if place != "-" and not Path(place).exists():
+        pytest.skip("no such file on this platform")
+    (tmp_path / "s.toml").write_text(SYSTEM.format(archive_paths[2]))
+    for run in (("simulate", archive_paths[2], "--stop", "0.01", "--step", "0.001"), ("cosim", "s.toml")):
+        table = motor_fmu(*run, "--output", "o.csv", "--force") and (tmp_path / "o.csv").read_text()
+        assert motor_fmu(*run, "--output", place).stdout == table
+        one_sentence(motor_fmu(*run, "--output", place, "--json"), CANNOT, place, "--json", "standard output")
+    assert not (tmp_path / "-").exists()
+    one_sentence(motor_fmu("sweep", "--vary", "fan_command=0,1", "--output", "-"), CANNOT, "name a file")
+
+
+def test_two_results_in_one_file_are_refused(motor_fmu, archive_paths, tmp_path):
+    (tmp_path / "s.toml").write_text(SYSTEM.format(archive_paths[2]))
+    runs = (("simulate", archive_paths[2]), ("cosim", "s.toml"), ("sweep", "--vary", "fan_command=0,1"))
+    for run in runs:
+        one_sentence(motor_fmu(*run, "--output", "x.svg", "--plot", tmp_path / "x.svg"), CANNOT, "--output", "--plot", "x.svg")
+    assert not (tmp_path / "x.svg").exists()

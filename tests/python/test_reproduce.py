@@ -154,6 +154,9 @@ def test_sweep(motor_fmu, tmp_path):
         assert float(row["winding_temperature"]) == pytest.approx(by_hand, abs=1e-3)
     assert "fan_command = 1.000, ambient_temperature = 290.0 K" in done.stdout
     assert (tmp_path / "grid.svg").read_text().startswith("<svg")
+    # Above the winding's limit: the figure says why a place is empty.
+    assert motor_fmu("sweep", "--vary", "ambient_temperature=290,450", "--plot", "hot.svg").returncode == 0
+    assert "1 of 2 points infeasible" in (tmp_path / "hot.svg").read_text()
 
 
 def test_a_motor_without_a_steady_state(motor_fmu):

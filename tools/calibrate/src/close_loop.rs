@@ -18,6 +18,7 @@ use crate::deadline::Deadline;
 use crate::estimates;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
+use crate::instruments;
 use crate::levels::{DECISIVE, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
@@ -182,9 +183,10 @@ fn attempt<'a>(
     let (refit, setup) = (refit?, setup);
     let readings = refit.readings;
     let is_thin = readings < setup.declared.len();
+    let is_within_instruments = !is_cut && instruments::explain_rest(&setup, &refit)?;
     let mut looked = None;
     is_cut |= options.extent == Extent::Unchecked;
-    if !(options.extent == Extent::Fit || is_thin || is_cut) {
+    if !(options.extent == Extent::Fit || is_thin || is_cut || is_within_instruments) {
         looked = in_time(&deadline, Search::new(&setup, refit.clone(), &fit))?;
         is_cut = looked.is_none();
     }
@@ -206,6 +208,12 @@ fn attempt<'a>(
                 "{readings} readings and {} parameters: too few readings to look for missing effects",
                 setup.declared.len()
             ));
+        }
+        if options.extent != Extent::Fit && is_within_instruments {
+            let words = instruments::words();
+            judgement
+                .notes
+                .push(format!("what the fit leaves is within {words}: no effect is looked for in it"));
         }
         let mut outcome = estimates::outcome(&setup, &point, &refit.hypothesis, judgement)?;
         outcome.is_cut = is_cut;

@@ -90,6 +90,7 @@ mod tests {
             refit,
             after,
             floor: 0.1,
+            instruments: 0.05,
             blackbox: Some(blackbox),
             prediction,
         }

@@ -8,6 +8,7 @@ use crate::comparison;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
+use crate::instruments;
 use crate::levels::{AT_NOISE, CERTAIN, DECISIVE, PART, STRUCTURE, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Whiteness};
@@ -162,6 +163,7 @@ pub fn outcome(
                 refit: r[k],
                 after: a[k],
                 floor,
+                instruments: instruments::error(experiment, &runs, k),
                 blackbox,
                 prediction: Prediction { half_width: predictions[k].0, inside: predictions[k].1 },
             });

@@ -8,6 +8,7 @@
 //! The model is that of the preset, unfitted; the checks therefore allow for all parameter values within the priors.
 
 mod clipped;
+mod clock_jumps;
 mod clocks;
 mod consistency;
 mod converter;
@@ -122,6 +123,9 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     let is_sure: Vec<bool> = references.iter().map(|r| r.as_ref().is_some_and(|r| r.is_sure)).collect();
     let own = |run: usize| fitted.iter().enumerate().map(|(k, all)| all[run][k].clone()).collect();
     let own: Predicted = all_runs(experiment).into_iter().map(own).collect();
+    if let Some(unusable) = clock_jumps::found(experiment, &own) {
+        return Err(Refusal::Unusable(unusable));
+    }
     pulses::set_aside(experiment, &own, &spikes);
     let asked = experiment.clone();
     let deviations = || deviations(&asked, preset, &predicted, deadline);

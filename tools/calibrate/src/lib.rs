@@ -44,6 +44,7 @@ pub mod fit;
 pub mod hypothesis;
 pub mod initial;
 mod input_noise;
+mod instruments;
 pub mod intake;
 mod levels;
 pub mod linearization;

@@ -112,6 +112,8 @@ pub struct ChannelError {
     pub after: f64,
     /// Error due to noise alone: that of a perfect model.
     pub floor: f64,
+    /// Error of good instruments.
+    pub instruments: f64,
     /// Error of the black box of this channel; `None` if the time budget did not allow one.
     pub blackbox: Option<f64>,
     /// 95 % prediction interval of the repaired model.

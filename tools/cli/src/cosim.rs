@@ -1,7 +1,7 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
 use crate::drawing;
-use crate::existing::{Force, check_place};
+use crate::existing::{Force, check_apart, check_place, is_stdout};
 use crate::outputs::{self, Shown};
 use crate::parent;
 use crate::simulate::{check_once, is_a_number, remarks, rounded, setting, significant};
@@ -17,13 +17,13 @@ pub struct Args {
     /// The system: SYSTEM.ssp or SYSTEM.toml
     pub system: PathBuf,
     /// Start time in s [default: that of the system, else 0]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     start: Option<f64>,
     /// Stop time in s [default: that of the system, else 1 s after the start]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     stop: Option<f64>,
     /// Communication step in s [default: that of the system, else the shortest that an FMU proposes]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    #[arg(long, value_name = "H")]
     step: Option<f64>,
     /// Set a parameter or input of a component, or an input of the system: a number in its unit, of a component also with another unit
     /// of the quantity, such as "35 degC". May be repeated
@@ -40,18 +40,18 @@ pub struct Args {
     #[arg(long)]
     no_slopes: bool,
     /// Variable communication step with this relative error of the connected outputs; the FMUs must support rollback
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R")]
     tolerance: Option<f64>,
     /// Step components at the same time in N threads, with `jacobi` and `jacobi-delayed`. The results are the same bits. Faster where
     /// a step of a component takes more than about 20 us; the FMUs must not share data, as some do that are made of one library
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    threads: usize,
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: u32,
     /// Record every N-th communication point [default: the least of 1, 2, 5, 10, ... for 100,000 rows at most]
-    #[arg(long, value_name = "N")]
-    every: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    every: Option<u32>,
     #[command(flatten)]
     shown: Shown,
-    /// Write time and the outputs as CSV with 17 digits: time,<component>.<output>
+    /// Write time and the outputs as CSV with 17 digits: time,<component>.<output>; - prints the table in place of the final values
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
     /// Draw the outputs with their limits as SVG, PNG or HTML: those of --outputs, else the main ones
@@ -127,26 +127,31 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         tolerance: args.tolerance,
         sets: args.shown.sets_of_system(args.sets, &system)?,
         input: args.input,
+        display_units: args.shown.has_display_units(),
         algorithm: args.algorithm.into(),
         held_inputs: args.no_slopes,
-        every: args.every,
-        threads: args.threads,
+        every: args.every.map(|every| every as usize),
+        threads: args.threads as usize,
         log: Log::new(),
     };
     let mut run = cosimulate(&system, &options, &mut parent::progress)?;
     let limits = outputs::take_limits(&mut run.recording, &limits, &[]);
     let finite = is_a_number(&run.recording);
-    args.shown.apply(&mut run.recording)?;
-    if let Some(path) = &args.output {
-        args.shown.named(&run.recording).write_csv(path)?;
-    }
+    args.shown.apply(&mut run.recording, &|name| {
+        let inner = |(component, _): &(&str, _)| name.strip_prefix(component)?.strip_prefix('.');
+        let found = system.descriptions().find_map(|part| part.1.variable(inner(&part)?));
+        found.map(|v| format!("{name} is no output (causality {}); cosim records outputs only", v.causality))
+    })?;
+    let table = args.shown.write(&run.recording, args.output.as_deref())?;
     if let Some(path) = &args.plot {
         drawing::write(path, &args.shown.figure(&run.recording, &limits, &main)?)?;
     }
     crate::remark(&run.notes);
     let ended_by = run.ended_by.as_deref().unwrap_or_default();
     remarks(&run.recording, "", ended_by, ended_by);
-    let text = if args.json {
+    let text = if let Some(table) = table {
+        table
+    } else if args.json {
         format!("{}\n", machine(&args.system.to_string_lossy(), &run))
     } else {
         summary(&run)
@@ -158,7 +163,8 @@ pub fn run(args: Args) -> Result<u8, Failure> {
 /// Refuses files that are no earlier results of this system.
 fn may_write(args: &Args, system: &System) -> Result<(), Failure> {
     let name = system.name();
-    if let Some(path) = &args.output {
+    check_apart(args.output.as_deref(), args.plot.as_deref(), args.json)?;
+    if let Some(path) = args.output.as_ref().filter(|path| !is_stdout(path)) {
         check_place(path)?;
         // Outputs of the system have names of their own.
         let is_column = |column: &str| {

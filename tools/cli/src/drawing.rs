@@ -2,7 +2,6 @@
 
 use crate::Failure;
 use crate::existing::{Force, check_place, title};
-use maud::{PreEscaped, html};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 use std::path::Path;
@@ -52,8 +51,7 @@ pub fn write(path: &Path, svg: &str) -> Result<(), Failure> {
         Format::Svg => svg.as_bytes().to_vec(),
         Format::Png => png(svg)?,
         Format::Html => {
-            let body = html! { figure { (PreEscaped(svg)) } };
-            present::page::page(&title(svg.as_bytes()).unwrap_or_default(), body).into_bytes()
+            present::page::page_of_figure(&title(svg.as_bytes()).unwrap_or_default(), svg).into_bytes()
         }
     };
     std::fs::write(path, bytes).map_err(|e| crate::unwritten(path, &e))
@@ -103,6 +101,9 @@ mod tests {
             write(&path, &svg).unwrap();
             assert_eq!(title(&std::fs::read(&path).unwrap()).as_deref(), Some("Höhe < 3"), "{name}");
         }
+        // The title is written once.
+        let page = std::fs::read_to_string(folder.path().join("f.html")).unwrap();
+        assert_eq!(page.matches(">Höhe &lt; 3<").count(), 2, "title of the page and of the figure: {page}");
         let mut reader = png::Decoder::new(std::io::Cursor::new(png(&svg).unwrap())).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut pixels).unwrap();

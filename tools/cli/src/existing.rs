@@ -76,6 +76,33 @@ impl Force {
     }
 }
 
+/// Whether a path means the standard output. The process of an FMU has another one, so that its parent has to print.
+pub fn is_stdout(path: &Path) -> bool {
+    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
+}
+
+/// Refuses a table on the standard output beside another result there, and two results in one file, by the options that name them.
+pub fn check_apart(output: Option<&Path>, plot: Option<&Path>, json: bool) -> Result<(), Failure> {
+    let Some(output) = output else { return Ok(()) };
+    if is_stdout(output) && json {
+        let output = output.display();
+        return Err(Failure::new(format!(
+            "--output {output} and --json both write to the standard output; name a file for one of them"
+        )));
+    }
+    let file = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        path.canonicalize().ok().or_else(|| Some(folder.canonicalize().ok()?.join(path.file_name()?)))
+    };
+    match plot.filter(|plot| file(plot).is_some() && file(plot) == file(output)) {
+        Some(plot) => Err(Failure::new(format!(
+            "--output and --plot both name {}: the figure would replace the table",
+            plot.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// Refuses a file that cannot be written, before the work for it: a folder, or a file in a folder that does not exist.
 pub fn check_place(path: &Path) -> Result<(), Failure> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -86,13 +113,16 @@ pub fn check_place(path: &Path) -> Result<(), Failure> {
             path.display(),
             folder.display()
         ))),
+        None if path == Path::new("-") => Err(Failure::new(
+            "- is no name of a file; only --output of simulate and cosim writes to the standard output",
+        )),
         None => Ok(()),
     }
 }
 
 /// As [`check_place`], for a command whose standard output has a summary that the file would mix with.
 pub fn check_file(path: &Path) -> Result<(), Failure> {
-    if ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name)) {
+    if is_stdout(path) {
         return Err(Failure::new(format!(
             "--output {} is the standard output, to which the summary goes: name a file",
             path.display()

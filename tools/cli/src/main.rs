@@ -136,7 +136,7 @@ pub fn code(yes: bool) -> u8 {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::try_parse().unwrap_or_else(|error| usage::refuse(&error));
+    let cli = usage::parse(std::env::args_os()).unwrap_or_else(|error| usage::refuse(&error));
     let outcome = match cli.command {
         Command::Build(args) => build::run(&args),
         Command::Preset(args) => preset::run(&args),

@@ -1,10 +1,12 @@
 //! Which outputs of a run are printed, written and drawn, and in which units.
 
 use crate::Failure;
+use crate::existing::is_stdout;
 use crate::pattern::Patterns;
 use clap::ValueEnum;
 use cosim::{Column, DisplayUnit, Limit, ModelDescription, Recording, System};
 use describe::{models, plots};
+use std::path::Path;
 
 /// A limit that is recorded with the run: variable, output, label, whether it holds in both directions.
 #[derive(Clone, Debug)]
@@ -71,7 +73,7 @@ pub struct Shown {
     #[arg(long, value_name = "NAME,...")]
     outputs: Vec<String>,
     /// Units of numbers in and out. si: the units of the FMU's interface (kelvin, rad/s) everywhere. datasheet: its display units (degC,
-    /// rpm) everywhere, also for numbers of --set without unit; the CSV header names them. By default the printed values are in
+    /// rpm) everywhere, also for numbers of --set and columns of --input without unit; the CSV header names them. By default the printed values are in
     /// display units, everything else is in the units of the interface
     #[arg(long, value_enum)]
     units: Option<Units>,
@@ -87,12 +89,21 @@ enum Units {
 }
 
 impl Shown {
-    /// Leaves the chosen outputs, in the order of the choice, in the chosen units.
-    pub fn apply(&self, recording: &mut Recording) -> Result<(), Failure> {
+    /// Whether numbers without a unit are in display units.
+    pub fn has_display_units(&self) -> bool {
+        self.units == Some(Units::Datasheet)
+    }
+
+    /// Leaves the chosen outputs, in the order of the choice, in the chosen units. `why` explains a variable that is not recorded.
+    pub fn apply(
+        &self,
+        recording: &mut Recording,
+        why: &dyn Fn(&str) -> Option<String>,
+    ) -> Result<(), Failure> {
         if !self.outputs.is_empty() {
             let names: Vec<&str> = recording.columns.iter().map(|c| c.name.as_str()).collect();
             let chosen = Patterns::new(&self.outputs)
-                .choose(&names)
+                .choose(&names, why)
                 .map_err(|e| Failure::new(format!("--outputs: {e}")))?;
             recording.columns = chosen.into_iter().map(|k| recording.columns[k].clone()).collect();
         }
@@ -133,10 +144,19 @@ impl Shown {
         limit
     }
 
+    /// Writes the table where it is wanted; gives it if that is the standard output.
+    pub fn write(&self, recording: &Recording, path: Option<&Path>) -> Result<Option<String>, Failure> {
+        match path {
+            None => Ok(None),
+            Some(path) if is_stdout(path) => Ok(Some(self.named(recording).csv())),
+            Some(path) => Ok(self.named(recording).write_csv(path).map(|()| None)?),
+        }
+    }
+
     /// The recording with the units in the names of its columns, for a CSV file in display units.
-    pub fn named(&self, recording: &Recording) -> Recording {
+    fn named(&self, recording: &Recording) -> Recording {
         let mut named = recording.clone();
-        if self.units == Some(Units::Datasheet) {
+        if self.has_display_units() {
             for column in &mut named.columns {
                 if let Some(unit) = column.unit.as_deref().filter(|unit| *unit != "1") {
                     column.name = format!("{} [{unit}]", column.name);
@@ -159,7 +179,7 @@ impl Shown {
             let Some((number, unit)) = units::split(&text) else { return Ok((name, text)) };
             let own = variable.unit.as_deref().unwrap_or("1");
             let value = match (unit, description.display_unit(variable)) {
-                ("", Some(display)) if self.units == Some(Units::Datasheet) => of_display(&display, number),
+                ("", Some(display)) if self.has_display_units() => of_display(&display, number),
                 ("", _) if text.parse::<f64>().is_ok() => return Ok((name, text)),
                 ("", _) => number,
                 (unit, _) => {

@@ -12,11 +12,11 @@ impl<'a> Patterns<'a> {
         Patterns(parts.map(str::trim).filter(|p| !p.is_empty()).collect())
     }
 
-    /// Places of the names that match, in the order of the patterns, each once.
+    /// Places of the names that match, in the order of the patterns, each once. `why` explains a name that is known and not among them.
     ///
     /// # Errors
     /// A pattern that no name matches, with the nearest name.
-    pub fn choose(&self, names: &[&str]) -> Result<Vec<usize>, String> {
+    pub fn choose(&self, names: &[&str], why: &dyn Fn(&str) -> Option<String>) -> Result<Vec<usize>, String> {
         if self.0.is_empty() {
             return Err("no name is given".to_owned());
         }
@@ -24,7 +24,8 @@ impl<'a> Patterns<'a> {
         for pattern in &self.0 {
             let found: Vec<usize> = (0..names.len()).filter(|k| matches(pattern, names[*k])).collect();
             if found.is_empty() {
-                return Err(format!("no variable {pattern}{}", nearest(pattern, names.iter().copied())));
+                let unknown = || format!("no variable {pattern}{}", nearest(pattern, names.iter().copied()));
+                return Err(why(pattern).unwrap_or_else(unknown));
             }
             let new: Vec<usize> = found.into_iter().filter(|k| !chosen.contains(k)).collect();
             chosen.extend(new);
@@ -79,8 +80,8 @@ mod tests {
         }
         let arguments = ["current,*temperature".to_owned(), "current".to_owned()];
         let names = ["winding_temperature", "current", "duty"];
-        assert_eq!(Patterns::new(&arguments).choose(&names), Ok(vec![1, 0]));
-        let error = Patterns::new(&["curent".to_owned()]).choose(&names).unwrap_err();
+        assert_eq!(Patterns::new(&arguments).choose(&names, &|_| None), Ok(vec![1, 0]));
+        let error = Patterns::new(&["curent".to_owned()]).choose(&names, &|_| None).unwrap_err();
         assert!(error.contains("curent") && error.contains("did you mean current?"), "{error}");
     }
 }

@@ -80,7 +80,7 @@ impl clap::Args for Printed {
         QUANTITIES.iter().fold(command, |command, q| {
             let arg = Arg::new(q.key).long(q.flag()).value_name(q.unit).help(q.words);
             let arg = arg.visible_aliases(q.other_flags());
-            command.arg(arg.help_heading("Printed values").allow_negative_numbers(true))
+            command.arg(arg.help_heading("Printed values"))
         })
     }
 

@@ -1,7 +1,7 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
 use crate::Failure;
 use crate::drawing;
-use crate::existing::{Force, check_place};
+use crate::existing::{Force, check_apart, check_place, is_stdout};
 use crate::outputs::{self, Shown, thin};
 use crate::parent::{self, complain};
 use cosim::{Archive, Causality, InputTable, Log, ModelDescription, Options, Recording, Status};
@@ -19,13 +19,13 @@ pub struct Args {
     /// The FMU
     pub file: PathBuf,
     /// Start time in s [default: that of the FMU, else 0]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     start: Option<f64>,
     /// Stop time in s [default: that of the FMU, else 1 s after the start]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     stop: Option<f64>,
     /// Communication step in s [default: that of the FMU, else a 500th of the time]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    #[arg(long, value_name = "H")]
     step: Option<f64>,
     /// Set a parameter or input: a number in its unit or with another unit of the quantity, such as "3000 rpm"; an enumeration by the
     /// name of an item. May be repeated
@@ -35,12 +35,12 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Interface::Auto)]
     interface: Interface,
     /// Relative tolerance, given to the FMU and kept by the solver of Model Exchange [default: that of the FMU, else 1e-6]
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R")]
     tolerance: Option<f64>,
     /// Record this variable, too; local variables and parameters are not recorded otherwise. May be repeated
     #[arg(long = "record", value_name = "NAME")]
     records: Vec<String>,
-    /// Inputs over time: CSV with the header time,<input names>, each with [unit] if wanted; reals are interpolated linearly, other inputs are constant between rows
+    /// Inputs over time: CSV with the header time,<input names>, each with [unit] if wanted; reals are interpolated linearly, other inputs are constant between rows; two rows with one time are a discontinuity, at which a step ends if the FMU can vary its step
     #[arg(long, value_name = "F.csv")]
     input: Option<PathBuf>,
     /// Record every N-th communication point, and the last
@@ -48,7 +48,7 @@ pub struct Args {
     every: u32,
     #[command(flatten)]
     shown: Shown,
-    /// Write time and the outputs as CSV with 17 digits
+    /// Write time and the outputs as CSV with 17 digits; - prints the table in place of the final values
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
     /// Draw the outputs with their limits as SVG, PNG or HTML: those of --outputs, else the main ones
@@ -93,8 +93,8 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     may_write(&args, archive.description())?;
     check_once(&args.sets)?;
     let sets = args.shown.sets(args.sets, archive.description())?;
-    let input =
-        args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
+    let read = |path| InputTable::read(path, archive.description(), args.shown.has_display_units());
+    let input = args.input.as_deref().map(read).transpose()?;
     crate::remark(input.iter().flat_map(InputTable::notes).cloned().collect::<Vec<_>>().as_slice());
     let columns = input.iter().flat_map(|table| table.names());
     if let Some(sentence) = crate::unused::unserved("", archive.description(), &sets) {
@@ -120,18 +120,21 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     let finite = is_a_number(&recording);
     thin(&mut recording, args.every as usize);
     let limits = outputs::take_limits(&mut recording, &limits, &args.records);
-    args.shown.apply(&mut recording)?;
+    args.shown.apply(&mut recording, &|name| {
+        let causality = archive.description().variable(name)?.causality;
+        Some(format!("{name} is no output (causality {causality}); --record {name} records it"))
+    })?;
 
-    if let Some(path) = &args.output {
-        args.shown.named(&recording).write_csv(path)?;
-    }
+    let table = args.shown.write(&recording, args.output.as_deref())?;
     if let Some(path) = &args.plot {
         drawing::write(path, &args.shown.figure(&recording, &limits, &main)?)?;
     }
     let name = &recording.model_name;
     remarks(&recording, &format!("{name}: "), name, &format!("{name}: the FMU"));
     crate::remark(unused.as_slice());
-    let text = if args.json {
+    let text = if let Some(table) = table {
+        table
+    } else if args.json {
         let mut result = machine(&args.file.to_string_lossy(), &recording);
         result["notes"] = json!(unused.as_slice());
         format!("{result}\n")
@@ -145,7 +148,8 @@ pub fn run(args: Args) -> Result<u8, Failure> {
 /// Refuses files that are no earlier results of this FMU.
 fn may_write(args: &Args, description: &ModelDescription) -> Result<(), Failure> {
     let model = &description.model_name;
-    if let Some(path) = &args.output {
+    check_apart(args.output.as_deref(), args.plot.as_deref(), args.json)?;
+    if let Some(path) = args.output.as_ref().filter(|path| !is_stdout(path)) {
         check_place(path)?;
         let is_column = |name: &str| {
             let known = |name: &str| {

@@ -3,7 +3,7 @@
 mod walk;
 
 use crate::drawing;
-use crate::existing::{Force, check_file, header};
+use crate::existing::{Force, check_apart, check_file, header};
 use crate::progress::Progress;
 use crate::{Failure, write};
 use ::study::StudyError;
@@ -42,7 +42,7 @@ pub struct LoadArgs {
     #[arg(long, value_name = "load.toml")]
     pub load: Option<PathBuf>,
     /// Longest duration of the walk in hours, with --load
-    #[arg(long, value_name = "H", default_value_t = 2.0, allow_negative_numbers = true, requires = "load")]
+    #[arg(long, value_name = "H", default_value_t = 2.0, requires = "load")]
     pub hours: f64,
 }
 
@@ -143,12 +143,13 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     }
     text += &match continuous {
         Ok(c) => format!(
-            "continuous torque {} N.m at {} rad/s and {} A, {} N.m/kg, with the winding at {:.2} K\n",
+            "continuous torque {} N.m at {} rad/s and {} A, {} N.m/kg, with the winding at {:.2} K ({:.2} degC)\n",
             significant(c.torque),
             significant(c.speed),
             significant(c.current),
             significant(c.torque_density),
-            c.winding_temperature
+            c.winding_temperature,
+            c.winding_temperature - 273.15
         ),
         Err(reason) => format!("{reason}\n"),
     };
@@ -218,7 +219,8 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         write(path, &found.csv())?;
     }
     if let Some(path) = &args.plot {
-        drawing::write(path, &found.figure()?.svg())?;
+        let figure = found.figure()?.remark(&infeasible(&found, LISTED_IN_A_FIGURE).replace('\n', " "));
+        drawing::write(path, &figure.svg())?;
     }
     if args.json {
         let mut result = serde_json::to_value(&found)?;
@@ -244,6 +246,7 @@ fn replaced(args: &SweepArgs, vary: &[Vary]) -> Vec<String> {
 fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
     let varied: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
     let names = varied.join(", ");
+    check_apart(args.output.as_deref(), args.plot.as_deref(), false)?;
     if let Some(path) = &args.output {
         check_file(path)?;
         args.force.check(path, &format!("a table of a sweep over {names}"), |path| {
@@ -263,7 +266,7 @@ fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     if let Some(source) = &found.source {
         text += &format!("load: {source}\n");
     }
-    text += &infeasible(found);
+    text += &infeasible(found, LISTED);
     let objectives = found.objectives.iter().map(|o| {
         let goal = if o.least_is_best { "minimum" } else { "maximum" };
         format!("{goal} of {}", o.name)
@@ -299,11 +302,12 @@ fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     text
 }
 
-/// Infeasible points that the summary lists.
+/// Reasons of infeasible points that the summary lists, and a figure.
 const LISTED: usize = 12;
+const LISTED_IN_A_FIGURE: usize = 3;
 
 /// The infeasible points with their reasons, points with the same reason together.
-fn infeasible(found: &Sweep) -> String {
+fn infeasible(found: &Sweep, listed: usize) -> String {
     let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for point in &found.points {
         let Some(failure) = &point.failure else { continue };
@@ -318,12 +322,12 @@ fn infeasible(found: &Sweep) -> String {
         return String::new();
     }
     let mut text = format!("{} of {} points infeasible\n", found.infeasible, found.points.len());
-    for (reason, places) in reasons.iter().take(LISTED) {
+    for (reason, places) in reasons.iter().take(listed) {
         let more = if places.len() > 1 { format!(" and {} more", places.len() - 1) } else { String::new() };
         text += &format!("  {}{more}: {reason}\n", places[0]);
     }
-    if reasons.len() > LISTED {
-        text += &format!("  and {} more reasons; --json lists all points\n", reasons.len() - LISTED);
+    if reasons.len() > listed {
+        text += &format!("  and {} more reasons; --json lists all points\n", reasons.len() - listed);
     }
     text
 }

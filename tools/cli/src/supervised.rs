@@ -1,8 +1,7 @@
 //! `simulate` and `cosim` in a child process: a crash, an end of the process or a call that does not return becomes one sentence.
 use crate::parent::{self, Event};
 use crate::progress::Progress;
-use crate::{Cli, Command, Failure, simulate};
-use clap::Parser;
+use crate::{Command, Failure, simulate};
 use cosim::child::{Call, Ending, Work, supervise};
 use std::ffi::OsString;
 use std::path::Path;
@@ -69,7 +68,7 @@ pub fn work(args: &WorkArgs) -> Result<ExitCode, Failure> {
     let channel = cosim::child::enter()?;
     parent::set(channel);
     let program = OsString::from("motor-fmu");
-    let cli = Cli::try_parse_from(std::iter::once(&program).chain(&args.arguments))?;
+    let cli = crate::usage::parse(std::iter::once(&program).chain(&args.arguments))?;
     let outcome = match cli.command {
         Command::Simulate(args) => simulate::run(args),
         Command::Cosim(args) => crate::cosim::run(args),

@@ -130,7 +130,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     if !args.names.is_empty() {
         let names: Vec<&str> = rows.iter().map(|r| r.name.as_str()).collect();
         let chosen = Patterns::new(&args.names)
-            .choose(&names)
+            .choose(&names, &|_| None)
             .map_err(|e| Failure::new(format!("{}: {e}", args.of)))?;
         let chosen: Vec<String> = chosen.into_iter().map(|k| rows[k].name.clone()).collect();
         rows.retain(|r| chosen.contains(&r.name));

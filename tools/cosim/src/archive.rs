@@ -110,6 +110,12 @@ impl Archive {
     }
 }
 
+/// A folder that is removed when it is dropped.
+pub(crate) fn temporary_folder() -> Result<TempDir, Error> {
+    let dir = tempfile::Builder::new().prefix("fmu-").tempdir();
+    dir.map_err(Error::io("make a temporary folder (TMPDIR sets its place) in", &std::env::temp_dir()))
+}
+
 /// A directory with the content of the zip archive at `path`, checked as [`Archive::open`] says.
 pub(crate) fn unpacked(path: &Path) -> Result<TempDir, Error> {
     let file = fs::File::open(path).map_err(Error::io("open", path))?;
@@ -117,8 +123,7 @@ pub(crate) fn unpacked(path: &Path) -> Result<TempDir, Error> {
     if meta.is_dir() {
         return Err(bad(path, "it is a directory"));
     }
-    let dir = tempfile::Builder::new().prefix("fmu-").tempdir();
-    let dir = dir.map_err(Error::io("create a directory in", &std::env::temp_dir()))?;
+    let dir = temporary_folder()?;
     let limit = (meta.len().saturating_mul(MAX_RATIO)).clamp(ALWAYS_ALLOWED, NEVER_ALLOWED);
     unpack(path, file, dir.path(), limit)?;
     Ok(dir)
@@ -152,7 +157,15 @@ fn platform(version: FmiVersion) -> Option<(&'static str, &'static str)> {
 /// Unpacks all entries of `file` into `dir`, writing `limit` bytes at most.
 fn unpack(path: &Path, file: fs::File, dir: &Path, limit: u64) -> Result<(), Error> {
     let damaged = |e: zip::result::ZipError| bad(path, e.to_string());
-    let mut archive = ZipArchive::new(io::BufReader::new(file)).map_err(damaged)?;
+    let mut bytes = io::BufReader::new(file);
+    let begin = io::BufRead::fill_buf(&mut bytes).map_err(Error::io("read", path))?;
+    let what = match begin {
+        [] => "it is empty",
+        [b'P', b'K', ..] => "it is a damaged or incomplete zip archive",
+        _ => "it is not a zip archive",
+    };
+    // A zip archive may follow another content.
+    let mut archive = ZipArchive::new(bytes).map_err(|_| bad(path, what))?;
     if archive.len() > MAX_ENTRIES {
         return Err(bad(path, format!("it has {} entries, the limit is {MAX_ENTRIES}", archive.len())));
     }
@@ -206,6 +219,24 @@ mod tests {
         }
         for name in ["modelDescription.xml", "binaries/linux64/a.so", "a/..b", "a/"] {
             assert!(!refused(name), "{name:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_archive_is_said() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("x.fmu");
+        for (content, expected) in [
+            (&b""[..], "it is empty"),
+            (b"a text", "it is not a zip archive"),
+            (b"PK\x03\x04", "it is a damaged or incomplete zip archive"),
+        ] {
+            fs::write(&path, content).unwrap();
+            let message = Archive::open(&path).unwrap_err().to_string();
+            assert!(
+                message.ends_with(&format!("x.fmu is not a usable FMU archive: {expected}")),
+                "{message}"
+            );
         }
     }
 

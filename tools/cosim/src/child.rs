@@ -103,7 +103,7 @@ enum Line {
 /// # Errors
 /// The process cannot be started.
 pub fn supervise(work: &Work, receive: &mut dyn FnMut(&str)) -> io::Result<Ending> {
-    let folder = tempfile::Builder::new().prefix("fmu-").tempdir()?;
+    let folder = crate::archive::temporary_folder().map_err(io::Error::other)?;
     let page = SharedPage::create(&folder.path().join(page::FILE))?;
     let mut command = Command::new(work.program);
     command.args(work.arguments).stdin(Stdio::piped()).stdout(Stdio::piped());

@@ -117,11 +117,6 @@ impl Inputs for Drive<'_> {
     }
 
     fn jumps(&self, t: f64) -> bool {
-        let columns = 0..self.table.columns().len();
-        let jump = |c: usize| {
-            self.table.before(c, t, self.slack).to_bits() != self.table.after(c, t, self.slack).to_bits()
-        };
-        self.next_break(t - self.slack).is_some_and(|row| row <= t + self.slack)
-            && columns.into_iter().any(jump)
+        self.table.jumps(t, self.slack)
     }
 }

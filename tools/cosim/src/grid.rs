@@ -1,5 +1,5 @@
 //! The communication points of a run.
-use crate::Error;
+use crate::{Error, InputTable};
 
 /// Communication points that one run may have.
 const MAX_STEPS: f64 = 1e9;
@@ -57,25 +57,38 @@ impl Grid {
         Ok(Self { start, stop, step, steps, slack: 1e-9 * step.min(span) })
     }
 
-    /// Takes all steps: `step` gets the number, start, length and end of each and gives the requested end of the simulation;
-    /// then the number of completed steps and that. `progress` gets the fraction that is done, at most about 200 times.
+    /// Takes all steps: `step` gets the start, the length and the end of each, with the number of the communication point there, and gives
+    /// the requested end of the simulation; then the number of completed steps and that. A step also ends where an input of `table` jumps,
+    /// which is no communication point. `progress` gets the fraction that is done, at most about 200 times.
     pub(crate) fn run<E>(
         &self,
+        table: Option<&InputTable>,
         progress: &mut dyn FnMut(f64),
-        mut step: impl FnMut(usize, f64, f64, f64) -> Result<Option<E>, Error>,
+        mut step: impl FnMut(f64, f64, f64, Option<usize>) -> Result<Option<E>, Error>,
     ) -> Result<(usize, Option<E>), Error> {
         let report_every = self.steps.div_ceil(200).max(1);
+        let mut taken = 0;
         for k in 0..self.steps {
-            let ((t, h), done) = (self.interval(k), k + 1);
-            let ended = step(k, t, h, self.point(done))?;
-            if ended.is_some() {
-                return Ok((k, ended));
+            let ((mut t, mut h), done) = (self.interval(k), k + 1);
+            let end = self.point(done);
+            while let Some(jump) = table.and_then(|table| table.next_jump(t, end, self.slack)) {
+                let ended = step(t, jump - t, jump, None)?;
+                if ended.is_some() {
+                    return Ok((taken, ended));
+                }
+                taken += 1;
+                (t, h) = (jump, end - jump);
             }
+            let ended = step(t, h, end, Some(done))?;
+            if ended.is_some() {
+                return Ok((taken, ended));
+            }
+            taken += 1;
             if done % report_every == 0 || done == self.steps {
                 progress(done as f64 / self.steps as f64);
             }
         }
-        Ok((self.steps, None))
+        Ok((taken, None))
     }
 
     /// Communication point `k`, without accumulated rounding.

@@ -55,22 +55,27 @@ struct Cell<'a> {
 }
 
 impl InputTable {
-    /// Reads a table for the FMU with this description.
+    /// Reads a table for the FMU with this description. Columns without a unit are in the unit of the variable, or in its display unit.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Text`] with the line: an empty file, a first column that is not `time`, a name that
     /// is unknown, not an input or repeated, a unit that does not fit, a row of another length, a value that is no finite number of
     /// its type, time running backwards, no rows.
-    pub fn read(path: &Path, description: &ModelDescription) -> Result<Self, Error> {
+    pub fn read(path: &Path, description: &ModelDescription, display_units: bool) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
-        Self::parse(path, &bytes, description)
+        Self::parse(path, &bytes, description, display_units)
     }
 
     /// As [`Self::read`], for text at hand; `path` is for messages.
-    fn parse(path: &Path, bytes: &[u8], description: &ModelDescription) -> Result<Self, Error> {
+    fn parse(
+        path: &Path,
+        bytes: &[u8],
+        description: &ModelDescription,
+        display_units: bool,
+    ) -> Result<Self, Error> {
         Self::parse_for(path, bytes, &|name, unit| {
             let variable = description.settable(name).map_err(|e| format!("unknown column: {e}"))?;
-            let convert = from_unit(description, variable, unit)?;
+            let convert = from_unit(description, variable, unit, display_units)?;
             Ok(vec![Target { component: 0, description, variable, convert }])
         })
     }
@@ -133,6 +138,18 @@ impl InputTable {
     /// Value of column `index` at `t`, before a jump at `t`.
     pub(crate) fn before(&self, index: usize, t: f64, slack: f64) -> f64 {
         self.value(index, t, self.times.partition_point(|x| *x < t - slack))
+    }
+
+    /// Whether an input jumps at `t`.
+    pub(crate) fn jumps(&self, t: f64, slack: f64) -> bool {
+        let jump = |c: usize| self.before(c, t, slack).to_bits() != self.after(c, t, slack).to_bits();
+        self.next_row(t - slack).is_some_and(|row| row <= t + slack) && (0..self.columns.len()).any(jump)
+    }
+
+    /// The first time after `t` and before `end` at which an input jumps.
+    pub(crate) fn next_jump(&self, t: f64, end: f64, slack: f64) -> Option<f64> {
+        let rows = std::iter::successors(self.next_row(t + slack), |row| self.next_row(*row));
+        rows.take_while(|row| *row < end - slack).find(|row| self.jumps(*row, slack))
     }
 
     /// The value at `t`, between rows `next - 1` and `next`.
@@ -259,12 +276,15 @@ fn name_and_unit(text: &str) -> (&str, Option<&str>) {
     if text[name.len()..].starts_with(char::is_whitespace) { (name, unit) } else { (text, None) }
 }
 
-/// The conversion of numbers in `unit`, by default that of the variable, to the unit of the variable.
+/// The conversion of numbers in `unit`, by default that of the variable or its display unit, to the unit of the variable.
 pub(crate) fn from_unit(
     description: &ModelDescription,
     variable: &Variable,
     unit: Option<&str>,
+    display_units: bool,
 ) -> Result<Affine, String> {
+    let display = description.display_unit(variable).filter(|_| display_units);
+    let unit = unit.or(display.as_ref().map(|display| display.name.as_str()));
     let Some(wanted) = unit.filter(|unit| variable.unit.as_deref() != Some(unit)) else {
         return Ok(Affine::IDENTITY);
     };
@@ -312,7 +332,7 @@ mod tests {
     }
 
     fn parse(text: &str) -> Result<InputTable, Error> {
-        InputTable::parse(Path::new("in.csv"), text.as_bytes(), &description())
+        InputTable::parse(Path::new("in.csv"), text.as_bytes(), &description(), false)
     }
 
     #[test]
@@ -322,29 +342,34 @@ mod tests {
             <Unit name="K"><BaseUnit K="1"/><DisplayUnit name="degC" offset="-273.15"/></Unit>
             <Unit name="rad/s"><BaseUnit s="-1" rad="1"/></Unit><Unit name="rpm"><BaseUnit s="-1" rad="1" factor="0.1"/></Unit>
             </UnitDefinitions><ModelVariables>
-            <ScalarVariable name="T" valueReference="1" causality="input"><Real unit="K" start="300"/></ScalarVariable>
+            <ScalarVariable name="T" valueReference="1" causality="input"><Real unit="K" displayUnit="degC" start="300"/></ScalarVariable>
             <ScalarVariable name="w[1]" valueReference="2" causality="input"><Real unit="rad/s" start="0"/></ScalarVariable>
             </ModelVariables></fmiModelDescription>"#,
         )
         .unwrap();
-        let parse = |text: &str| InputTable::parse(Path::new("in.csv"), text.as_bytes(), &described);
-        for (text, expected) in [
-            ("time,T [degC],w[1] [rpm]\n0,25,20\n", (298.15, 2.0)),
-            ("time,T [K],w[1]\n0,25,20\n", (25.0, 20.0)),
+        let parse = |text: &str, display_units: bool| {
+            InputTable::parse(Path::new("in.csv"), text.as_bytes(), &described, display_units)
+        };
+        for (text, display_units, expected) in [
+            ("time,T [degC],w[1] [rpm]\n0,25,20\n", false, (298.15, 2.0)),
+            ("time,T [K],w[1]\n0,25,20\n", false, (25.0, 20.0)),
+            ("time,T,w[1]\n0,25,20\n", true, (298.15, 20.0)),
+            ("time,T [K],w[1] [rpm]\n0,25,20\n", true, (25.0, 2.0)),
             (
                 "\u{feff}time [ms];T [°F];w[1] [deg/s]\n0;77,0;180,0\n500;77;180\n",
+                false,
                 (298.15, std::f64::consts::PI),
             ),
         ] {
-            let table = parse(text).unwrap();
+            let table = parse(text, display_units).unwrap();
             let found = (table.after(0, 0.5, 0.0), table.after(1, 0.5, 0.0));
             assert!((found.0 - expected.0).abs() + (found.1 - expected.1).abs() < 1e-12, "{text}: {found:?}");
             assert!(table.times()[0] == 0.0 && table.times().get(1).is_none_or(|t| *t == 0.5));
         }
-        let refused = parse("time,T [rpm]\n0,25\n").unwrap_err().to_string();
+        let refused = parse("time,T [rpm]\n0,25\n", false).unwrap_err().to_string();
         let expected = r#"in.csv, line 1: column T has the unit "K", and "rpm" is not a unit of the same quantity as "K""#;
         assert_eq!(refused, expected);
-        let refused = parse("time [K],T\n0,25\n").unwrap_err().to_string();
+        let refused = parse("time [K],T\n0,25\n", false).unwrap_err().to_string();
         assert!(refused.contains(r#"column time has the unit "s""#), "{refused}");
     }
 

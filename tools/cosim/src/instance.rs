@@ -98,8 +98,11 @@ impl Instance {
             if kind != InterfaceType::CoSimulation {
                 return Err(archive.unsupported(format!("has no interface for {kind}")));
             }
-            let what = if description.interface(InterfaceType::ModelExchange).is_some() {
+            let has = |kind| description.interface(kind).is_some();
+            let what = if has(InterfaceType::ModelExchange) {
                 "is for Model Exchange only"
+            } else if has(InterfaceType::ScheduledExecution) {
+                "is for Scheduled Execution only, which this program does not support"
             } else {
                 "has no interface"
             };

@@ -1,6 +1,6 @@
 //! The figure of a recording: one panel for each unit, over a common time axis.
 
-use crate::{Column, Error, Kind, Recording};
+use crate::{Column, Error, Kind, Recording, Status};
 use present::figure::{Axis, Figure};
 use std::path::Path;
 
@@ -71,7 +71,7 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
         let axis = Axis::new(&axis_title(&columns));
         figure = figure.panel(if flags { axis.from_to(-0.1, 1.1) } else { axis });
         for column in &columns {
-            figure = figure.line(&column.name, line(&recording.times, column));
+            figure = figure.line(&words(&column.name), line(&recording.times, column));
         }
         for limit in limits.iter().filter(|limit| columns.iter().any(|c| c.name == limit.of)) {
             figure = limited(figure, &recording.times, limit, &columns, &mut far);
@@ -79,7 +79,7 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
     }
     let value = |c: &&Column| {
         c.last_shown().map(|(v, unit)| {
-            format!("{} = {} {}", c.name, present::number(v), readable(unit)).trim_end().to_owned()
+            format!("{} = {} {}", words(&c.name), present::number(v), readable(unit)).trim_end().to_owned()
         })
     };
     let list = |heading: &str, names: &[String]| {
@@ -87,11 +87,37 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
     };
     let names = |columns: &[&str]| columns.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
     let empty: Vec<&str> = empty.iter().map(|c| c.name.as_str()).collect();
-    let remark = list("Limits outside the panels", &far)
+    let remark = ended(recording)
+        + &list("Limits outside the panels", &far)
         + &list("Constant", &constant.iter().filter_map(value).collect::<Vec<_>>())
-        + &list("Not drawn: chosen by name, these have room", &names(&left_out))
+        + &list(
+            &format!("Not drawn, because a figure has at most {MOST_PANELS} panels (--outputs chooses)"),
+            &names(&left_out),
+        )
         + &list("Without a finite value", &names(&empty));
     Ok(figure.remark(remark.trim_end()).svg())
+}
+
+/// When and why the run ended before its stop time.
+fn ended(recording: &Recording) -> String {
+    let Some(time) = recording.ended_early else { return String::new() };
+    let reason = recording.messages.iter().rev().find(|m| m.status != Status::Ok);
+    let reason = reason.map_or(String::new(), |message| format!(": {}", message.text.trim_end_matches('.')));
+    format!(
+        "The FMU ended the run in the step from {} s, before the stop time{reason}. ",
+        present::number(time)
+    )
+}
+
+/// A name of whole words without its underscores, after its component; any other name as it is.
+fn words(name: &str) -> String {
+    let (component, own) = name.rsplit_once('.').map_or(("", name), |(component, own)| (component, own));
+    let is_word = |part: &str| part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase());
+    match (own.split('_').all(is_word), component) {
+        (false, _) => name.to_owned(),
+        (true, "") => own.replace('_', " "),
+        (true, _) => format!("{component}: {}", own.replace('_', " ")),
+    }
 }
 
 /// The greatest amount of a column, as it is drawn.
@@ -164,7 +190,7 @@ fn unit(column: &Column) -> String {
 fn axis_title(columns: &[&Column]) -> String {
     let unit = unit(columns[0]);
     let only = match columns {
-        [column] => column.name.rsplit('.').next().unwrap_or_default().replace('_', " "),
+        [column] => words(column.name.rsplit('.').next().unwrap_or_default()),
         _ => String::new(),
     };
     let quantity = QUANTITIES.iter().find(|(_, units)| units.contains(&unit.as_str())).map(|(name, _)| *name);

@@ -81,6 +81,14 @@ impl Recording {
         self.csv_to(&mut out).and_then(|()| out.flush()).map_err(io)
     }
 
+    /// The table of [`write_csv`](Self::write_csv) as text.
+    pub fn csv(&self) -> String {
+        let mut text = Vec::new();
+        // Writing to memory does not fail.
+        let _ = self.csv_to(&mut text);
+        String::from_utf8(text).unwrap_or_default()
+    }
+
     fn csv_to(&self, out: &mut impl Write) -> std::io::Result<()> {
         write!(out, "time")?;
         for column in &self.columns {

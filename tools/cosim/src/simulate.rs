@@ -105,7 +105,10 @@ pub fn simulate(
         }
     }
     recorder.record(&mut instance, grid.start)?;
-    let (steps, ended_early) = grid.run(progress, |_, t, h, end| {
+    // The solver of Model Exchange finds the jumps by itself.
+    let divides = interface.can_handle_variable_step && integrator.is_none();
+    let table = options.input.as_ref().filter(|_| divides);
+    let (steps, ended_early) = grid.run(table, progress, |t, h, end, point| {
         let step = match (&mut integrator, &mut drive) {
             (Some(integrator), Some(drive)) => integrator.advance(&mut instance, end, drive)?,
             (Some(integrator), None) => integrator.advance(&mut instance, end, &mut NoInputs)?,
@@ -120,7 +123,9 @@ pub fn simulate(
         if step == Step::Terminated {
             return Ok(Some(t));
         }
-        recorder.record(&mut instance, end)?;
+        if point.is_some() {
+            recorder.record(&mut instance, end)?;
+        }
         Ok(None)
     })?;
     instance.terminate()?;
@@ -190,7 +195,7 @@ fn checked_sets<'a>(
             continue;
         };
         let reason = format!("is refused because {name} {reason}");
-        return Err(Error::option("setting", format!("{name} = {text}"), reason));
+        return Err(Error::unsupported(format!("setting {name} = {text}"), reason));
     }
     Ok(sets)
 }

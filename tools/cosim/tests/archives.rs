@@ -124,6 +124,11 @@ fn archives_that_cannot_run_say_why() {
         says(wrong, &format!("lag.fmu refused to be instantiated as lag: the {word} is not mine"));
         let exchange = xml.replace("CoSimulation", "ModelExchange");
         says(Fmu::described(version, &exchange), "lag.fmu cannot be stepped: it is for Model Exchange only");
+        let scheduled = xml.replace("CoSimulation", "ScheduledExecution");
+        let expected = "lag.fmu cannot be stepped: it is for Scheduled Execution only, which this program does not support";
+        if version == FmiVersion::V3 {
+            says(Fmu::described(version, &scheduled), expected);
+        }
     }
 }
 

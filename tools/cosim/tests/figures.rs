@@ -1,6 +1,6 @@
 //! The figure of a run.
 use crate::common::*;
-use cosim::{Column, DisplayUnit, FmiVersion, Kind, Limit, Options, Recording};
+use cosim::{Column, DisplayUnit, FmiVersion, Kind, Limit, LogMessage, Options, Recording, Status};
 
 #[test]
 fn a_run_becomes_an_svg_with_panels_by_unit() {
@@ -155,6 +155,55 @@ fn a_motor_sized_figure() {
     };
     let text = r.svg(&[]).unwrap();
     assert!(text.len() < 1_000_000, "{} bytes", text.len());
-    assert!(text.contains("Constant: torque_constant = 0 N·m/A.") && !text.contains("N·m/A<"));
+    assert!(text.contains("Constant: torque constant = 0 N·m/A.") && !text.contains("N·m/A<"));
     assert!(text.contains(">temperature in °C<") && text.contains("torque_density"));
+}
+
+/// A figure says why it ends before the stop time, and which outputs have no panel; names are words where they consist of words.
+#[test]
+fn an_early_end_is_in_the_figure() {
+    let column = |name: &str, unit: String| Column {
+        name: name.to_owned(),
+        kind: Kind::Float64,
+        unit: Some(unit),
+        display_unit: None,
+        values: vec![0.0, 1.0],
+        exact: Vec::new(),
+    };
+    let mut columns = vec![column("motor.shaft_torque", "N.m".into()), column("x_1", "V".into())];
+    columns.extend((0..9).map(|k| column("u", format!("unit{k}"))));
+    let reason = "the hottest phase reaches its limit of validity";
+    let mut r = Recording {
+        model_name: "M".to_owned(),
+        times: vec![0.0, 950.0],
+        columns,
+        steps: 1,
+        seconds_wall: 0.0,
+        ended_early: Some(950.0),
+        messages: vec![LogMessage {
+            status: Status::Discard,
+            category: String::new(),
+            text: format!("{reason}."),
+        }],
+    };
+    // Lines of the remark are joined again.
+    let text = |r: &Recording| {
+        r.svg(&[])
+            .unwrap()
+            .replace("</text>", " ")
+            .split('<')
+            .map(|part| part.rsplit('>').next().unwrap().to_owned())
+            .collect::<String>()
+    };
+    let text_of = text(&r);
+    for expected in [
+        "motor: shaft torque",
+        "x_1",
+        &format!("The FMU ended the run in the step from 950 s, before the stop time: {reason}."),
+        "at most 10 panels (--outputs chooses): u.",
+    ] {
+        assert!(text_of.contains(expected), "{expected}: {text_of}");
+    }
+    r.ended_early = None;
+    assert!(!text(&r).contains("ended"));
 }

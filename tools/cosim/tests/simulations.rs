@@ -97,6 +97,22 @@ fn jumps_happen_at_their_row() {
     }
 }
 
+/// A step ends at the jump; the rows of the result do not change.
+#[test]
+fn jumps_between_points_happen_at_their_row() {
+    for version in BOTH {
+        let options = Options {
+            input: Some(table(version, "time,u,n\n0,0,0\n0.7,0,0\n0.7,1,5\n")),
+            step: Some(0.25),
+            ..Options::default()
+        };
+        let r = run(version, &options).unwrap();
+        let (x, twice) = (&r.column("x").unwrap().values, &r.column("twice").unwrap().values);
+        assert!(close(x[4], step_response(1.0, 2.0, 0.3)), "{x:?}");
+        assert_eq!((x[2], twice[2], twice[3], r.steps, r.times.len()), (0.0, 0.0, 10.0, 5, 5));
+    }
+}
+
 #[test]
 fn points_do_not_drift_and_the_last_step_may_be_short() {
     for version in BOTH {
@@ -153,14 +169,14 @@ fn bad_settings_get_one_sentence() {
         }
         let options = Options { sets: sets(&[("tau", "1"), ("tau", "2")]), ..Options::default() };
         let message = run(version, &options).unwrap_err().to_string();
-        assert_eq!(message, "setting = tau = 2 is refused because tau is set twice");
+        assert_eq!(message, "setting tau = 2 is refused because tau is set twice");
         let options = Options {
             sets: sets(&[("u", "1")]),
             input: Some(table(version, "time,u\n0,0\n")),
             ..Options::default()
         };
         let message = run(version, &options).unwrap_err().to_string();
-        assert_eq!(message, "setting = u = 1 is refused because u is also a column of the input table");
+        assert_eq!(message, "setting u = 1 is refused because u is also a column of the input table");
     }
     let options = Options { sets: sets(&[("n", "200")]), ..Options::default() };
     let message = run(FmiVersion::V3, &options).unwrap_err().to_string();

@@ -85,11 +85,11 @@ fn options_that_make_no_sense() {
     for (options, expected) in [
         (
             SystemOptions { sets: sets(&[("rotor.J", "x")]), ..none() },
-            "setting = rotor.J = x is refused: J = \"x\" is not a finite number",
+            "setting rotor.J = x is refused: J = \"x\" is not a finite number",
         ),
         (
             SystemOptions { sets: sets(&[("motor.J", "1")]), ..none() },
-            "setting = motor.J = 1 is neither component.variable nor an input of the system",
+            "setting motor.J = 1 is neither component.variable nor an input of the system",
         ),
         (
             SystemOptions { stop: Some(-1.0), ..none() },

@@ -53,6 +53,11 @@ fn an_input_of_the_system_runs_linearly_and_jumps() {
         let y = values(&run, "gain.y");
         assert_eq!((y[0], y[1], y[4], y[8], y[12]), (0.0, 10.0, 40.0, -80.0, -80.0), "{algorithm:?}");
     }
+    // A jump between communication points: a step ends there. 8 N.m for 1.1 s.
+    let between = "time,push\n0,0\n1.9,0\n1.9,-8\n3,-8\n";
+    let run = cosimulate(&system, &options(&folder, between), &mut |_| ()).unwrap();
+    let speed = values(&run, "rotor.speed");
+    assert!((speed[12] - 4.4).abs() < 1e-12 && speed.len() == 13, "{speed:?}");
     // Constant over a step: the triangle is met at its left end in each step.
     let held = SystemOptions { held_inputs: true, ..options(&folder, PUSH) };
     let speed = values(&cosimulate(&system, &held, &mut |_| ()).unwrap(), "rotor.speed");

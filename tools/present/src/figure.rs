@@ -11,7 +11,7 @@ mod tests;
 
 pub use rows::{Mark, Row, Rows};
 
-use layout::{BASELINE, LINE, PAD, Scale, Swatch, WIDTH, frame, legend, place, text, width, wrap};
+use layout::{BASELINE, BREAKS, LINE, PAD, Scale, Swatch, WIDTH, frame, legend, place, text, width, wrap};
 use maud::{Markup, html};
 use points::thinned;
 
@@ -20,6 +20,9 @@ pub trait Drawing {
     /// The SVG, complete in itself.
     fn svg(&self) -> String;
 }
+
+/// More points than this are small.
+const DENSE: usize = 100;
 
 /// Height of the only panel, and of one of several.
 const HEIGHT: (f64, f64) = (220.0, 120.0);
@@ -277,9 +280,20 @@ impl Figure {
             [] => x.ticks_that_fit().marks(),
             names => names.iter().enumerate().map(|(k, n)| (k as f64, n.clone())).collect(),
         };
-        // A name is wrapped to the width of its category; the tick numbers already fit.
-        let slot = if self.categories.is_empty() { WIDTH } else { (right - left) / names.len() as f64 - 4.0 };
-        let tall_names = names.iter().map(|(_, name)| wrap(name, slot).len()).max().unwrap_or(0) as f64;
+        // A name is wrapped to the width of its category, and stands upright where it would be broken within a part; the tick numbers
+        // already fit.
+        let slot = if self.categories.is_empty() { WIDTH } else { (right - left) / names.len() as f64 - PAD };
+        let parts = || {
+            self.categories
+                .iter()
+                .flat_map(|name| name.split_inclusive([' ']).flat_map(|w| w.split_inclusive(BREAKS)))
+        };
+        let upright = parts().any(|part| width(part.trim_end()) > slot);
+        let tall_names = if upright {
+            names.iter().map(|(_, name)| width(name) / LINE).fold(0.0, f64::max)
+        } else {
+            names.iter().map(|(_, name)| wrap(name, slot).len()).max().unwrap_or(0) as f64
+        };
         let x_label = wrap(&x.ticks_that_fit().with_power(&self.x.label), right - left);
         let mut bottom = 14.0;
         let inside = html! {
@@ -291,8 +305,12 @@ impl Figure {
             @for (value, name) in &names {
                 @let px = x.at(*value);
                 path.g d={ "M" (n(px)) " 0V" (n(height)) } {}
-                @for (k, line) in wrap(name, slot).iter().enumerate().filter(|_| lowest) {
-                    (layout::below(px, height + LINE * (k as f64 + 1.0), line))
+                @if lowest && upright {
+                    (layout::upright(px, height + 6.0, name))
+                } @else if lowest {
+                    @for (k, line) in wrap(name, slot).iter().enumerate() {
+                        (layout::below(px, height + LINE * (k as f64 + 1.0), line))
+                    }
                 }
             }
             path.a d={ "M" (n(left)) " 0V" (n(height)) "H" (n(right)) } {}
@@ -357,6 +375,8 @@ fn draw_series(series: &Series, x: &Scale, y: &Scale, thin: bool) -> Markup {
             html! { path class={ "w d" (colour) } d={ "M" (outline.join("L")) "Z" } {} }
         }
         Kind::Points => html! {
+            // The rims of many points would cover their neighbours.
+            @let (class, radius) = if series.points.len() > DENSE { ("d", "2") } else { ("p d", "4") };
             @for (k, (a, b)) in series.points.iter().enumerate().filter(|(_, p)| p.0.is_finite() && p.1.is_finite()) {
                 @let (px, py) = (x.at(*a), y.at(*b));
                 @match series.bars.get(k) {
@@ -366,23 +386,26 @@ fn draw_series(series: &Series, x: &Scale, y: &Scale, thin: bool) -> Markup {
                             d=(format_args!("M{px:.1} {0:.1}V{1:.1}M{2:.1} {0:.1}h9M{2:.1} {1:.1}h9", y.at(b - bar), y.at(b + bar), px - 4.5)) {}
                         circle class={ "d" (colour) } cx=(n(px)) cy=(n(py)) r="2.2" {}
                     },
-                    None => { circle class={ "p d" (colour) } cx=(n(px)) cy=(n(py)) r="4" {} },
+                    None => { circle class={ (class) (colour) } cx=(n(px)) cy=(n(py)) r=(radius) {} },
                 }
             }
         },
         Kind::Line | Kind::Dashed => {
             let mut path = String::new();
-            let mut pen_down = false;
-            for (a, b) in thinned(&series.points) {
-                // Outside the frame, or no number: the line is interrupted.
-                let inside = x.holds(a) && y.holds(b);
-                if inside {
-                    path += &format!("{}{:.1} {:.1}", if pen_down { 'L' } else { 'M' }, x.at(a), y.at(b));
+            let points = thinned(&series.points);
+            // Outside the frame, or no number: the line is interrupted. A value between two gaps is a point.
+            let mut alone = Vec::new();
+            for pieces in points.split(|(a, b)| !(x.holds(*a) && y.holds(*b))) {
+                for (k, (a, b)) in pieces.iter().enumerate() {
+                    path += &format!("{}{:.1} {:.1}", if k > 0 { 'L' } else { 'M' }, x.at(*a), y.at(*b));
                 }
-                pen_down = inside;
+                alone.extend(if let [only] = pieces { Some(*only) } else { None });
             }
             let weight = if thin { "l h" } else { "l" };
-            html! { path class={ (weight) " k" (colour) } stroke-dasharray=[series.dash()] d=(path) {} }
+            html! {
+                path class={ (weight) " k" (colour) } stroke-dasharray=[series.dash()] d=(path) {}
+                @for (a, b) in alone { circle class={ "d" (colour) } cx=(n(x.at(a))) cy=(n(y.at(b))) r="2.2" {} }
+            }
         }
     }
 }

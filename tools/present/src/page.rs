@@ -19,6 +19,15 @@ fn scheme(p: &Palette) -> String {
 
 /// A page with its title as first heading.
 pub fn page(title: &str, body: Markup) -> String {
+    document(title, html! { h1 { (title) } (body) })
+}
+
+/// A page of one figure in the middle; the title is in the figure.
+pub fn page_of_figure(title: &str, svg: &str) -> String {
+    document(title, html! { figure.alone { (PreEscaped(svg)) } })
+}
+
+fn document(title: &str, body: Markup) -> String {
     let (light, dark) = (scheme(&LIGHT), scheme(&DARK));
     let colours = format!(
         ":root{{color-scheme:light dark;{light}}}@media (prefers-color-scheme:dark){{:root{{{dark}}}}}"
@@ -32,7 +41,7 @@ pub fn page(title: &str, body: Markup) -> String {
                 title { (title) }
                 style { (PreEscaped(colours)) (PreEscaped(STYLE.replace('\n', ""))) }
             }
-            body { h1 { (title) } (body) }
+            body { (body) }
         }
     };
     page.into_string() + "\n"

@@ -124,14 +124,20 @@ impl Table {
         Ok(table)
     }
 
+    /// The rows that are followed by a gap.
+    pub fn gaps(&self) -> impl Iterator<Item = usize> {
+        let steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
+        let mut sorted = steps.clone();
+        sorted.sort_by(f64::total_cmp);
+        let usual = sorted[sorted.len() / 2];
+        (0..steps.len()).filter(move |row| steps[*row] > GAP * usual)
+    }
+
     /// Gaps are reported in a note; the simulation continues across them.
     fn note_gaps(&mut self, file: &str) {
-        let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        let usual = steps[steps.len() / 2];
-        let gaps = self.time.windows(2).filter(|w| w[1] - w[0] > GAP * usual);
-        let sentences: Vec<String> = gaps
-            .map(|w| format!("{file}: no rows from {} s to {} s; simulated across", w[0], w[1]))
+        let ends = self.gaps().map(|row| (self.time[row], self.time[row + 1]));
+        let sentences: Vec<String> = ends
+            .map(|(from, to)| format!("{file}: no rows from {from} s to {to} s; simulated across"))
             .collect();
         self.notes.extend(sentences);
     }

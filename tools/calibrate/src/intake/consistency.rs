@@ -49,7 +49,7 @@ use crate::levels::{CERTAIN, FACTOR, NEARLY, SAMPLES, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 use mistakes::Mistake;
-use search::{search, wrong_time};
+use search::{Found, search, wrong_time, wrong_value};
 
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
 const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
@@ -243,8 +243,13 @@ pub fn contradiction(
         most: f64::INFINITY,
         deadline: deadline.clone(),
     };
-    if let Some(unusable) = wrong_time(&whole, &thin, "every run")? {
+    if let Some(unusable) = wrong_time(&whole, &thin, None)? {
         return Ok(Err(unusable));
+    }
+    for (file, runs) in files(&thin).iter().filter(|(_, runs)| is_longer(&thin, runs)) {
+        if let Some(unusable) = wrong_time(&whole, &thin, Some((file, runs)))? {
+            return Ok(Err(unusable));
+        }
     }
     let mut as_is = fitted(&whole, &thin)?;
     while !as_is.is_cut
@@ -290,7 +295,7 @@ fn references(
     (0..experiment.outputs.len()).map(of).collect()
 }
 
-/// The mistake in the columns of all runs, or in those of one file.
+/// The mistake in the columns of all runs, in those of one file, or in a value of [set] or [prior].
 fn mistaken(
     whole: &Judge,
     experiment: &Experiment,
@@ -298,12 +303,42 @@ fn mistaken(
 ) -> Result<Option<Unusable>, CalibrateError> {
     let all = whole.runs;
     let predicted = whole.predicted(experiment);
+    // A mistake of one file spoils the fit of all: that of every run then leaves a contradiction, and a greater one.
+    let mut everywhere: Option<(f64, Found)> = None;
     if 2 * bad.len() > all.len()
-        && let Some(unusable) = search(whole, experiment, &predicted, "every run")?
+        && let Some(found) = search(whole, experiment, &predicted, "every run")?
     {
-        return Ok(Some(unusable));
+        let cost = fitted(whole, &found.data)?;
+        if cost.is_cut || cost.bad_runs().is_empty() {
+            return Ok(Some(found.why));
+        }
+        everywhere = Some((cost.whole(), found));
     }
     // One of several loggers may be wrong: each file is checked separately.
+    let files = files(experiment);
+    for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
+        let alone = Judge { runs, ..whole.clone() };
+        let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
+        if let Some(found) = search(&alone, experiment, &own, file)? {
+            let Some((least, _)) = everywhere else { return Ok(Some(found.why)) };
+            let cost = fitted(whole, &found.data)?.whole();
+            if cost + LEAST < least {
+                everywhere = Some((cost, found));
+            }
+        } else if everywhere.is_none()
+            && let Some(found) = beside(whole, experiment, (file, runs), bad)?
+        {
+            return Ok(Some(found.why));
+        }
+    }
+    match everywhere {
+        Some((_, found)) => Ok(Some(found.why)),
+        None => wrong_value(whole, experiment),
+    }
+}
+
+/// The files and their runs.
+fn files(experiment: &Experiment) -> Vec<(&str, Vec<usize>)> {
     let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
     for (k, run) in experiment.runs.iter().enumerate() {
         match files.iter_mut().find(|(file, _)| *file == run.file) {
@@ -311,25 +346,36 @@ fn mistaken(
             None => files.push((&run.file, vec![k])),
         }
     }
-    for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
-        let alone = Judge { runs, ..whole.clone() };
-        let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
-        if let Some(unusable) = search(&alone, experiment, &own, file)? {
-            return Ok(Some(unusable));
-        }
-        let (beside, base) = agreeing(whole, experiment, runs, bad)?;
-        if !beside.is_empty() {
-            // A run may have parameters of its own; the mistake is one number instead.
-            let others = (experiment.priors.len() as f64 - 1.0).max(0.0);
-            let readings = SAMPLES * (runs.len() * experiment.outputs.len()) as f64;
-            let most = fitted(&alone, experiment)?.whole() + others * readings.ln();
-            let judge = Judge { beside, base, most, ..alone };
-            if let Some(unusable) = search(&judge, experiment, &judge.predicted(experiment), file)? {
-                return Ok(Some(unusable));
-            }
-        }
+    files
+}
+
+/// Whether runs are longer by the square of [`FACTOR`] than the others usually are.
+fn is_longer(experiment: &Experiment, runs: &[usize]) -> bool {
+    let length = |k: usize| {
+        experiment.runs[k].table.time.last().copied().unwrap_or(0.0) - experiment.runs[k].table.time[0]
+    };
+    let others = (0..experiment.runs.len()).filter(|k| !runs.contains(k)).map(length);
+    runs.iter().any(|k| length(*k) > FACTOR * FACTOR * super::median(others.clone()))
+}
+
+/// The mistake in one file in comparison with the fit runs of the other files, if these agree with the model.
+fn beside(
+    whole: &Judge,
+    experiment: &Experiment,
+    (file, runs): (&str, &[usize]),
+    bad: &[usize],
+) -> Result<Option<Found>, CalibrateError> {
+    let alone = Judge { runs, ..whole.clone() };
+    let (beside, base) = agreeing(whole, experiment, runs, bad)?;
+    if beside.is_empty() {
+        return Ok(None);
     }
-    Ok(None)
+    // A run may have parameters of its own; the mistake is one number instead.
+    let others = (experiment.priors.len() as f64 - 1.0).max(0.0);
+    let readings = SAMPLES * (runs.len() * experiment.outputs.len()) as f64;
+    let most = fitted(&alone, experiment)?.whole() + others * readings.ln();
+    let judge = Judge { beside, base, most, ..alone };
+    search(&judge, experiment, &judge.predicted(experiment), file)
 }
 
 /// The fit runs of other files with their fit, if they agree with the model: those that are not bad, or all if a mistake in one file spoils

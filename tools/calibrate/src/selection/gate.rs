@@ -8,6 +8,7 @@ use crate::catalogue::LISTED;
 use crate::deadline::Deadline;
 use crate::experiment::Role;
 use crate::fit::Fitted;
+use crate::instruments::{self, accounts_for};
 use crate::intake::mean_square;
 use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, PART, STRUCTURE};
 use crate::linearization::Linearization;
@@ -71,11 +72,16 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
             )
         })
     });
+    let [with, without] = [&candidate.point, before].map(|point| point.fitted.shown.as_slice());
+    let seen = accounts_for(before.setup, &before.runs, [with, without]);
+    let seen = validated.map_or(seen, |v| v.seen.max(seen));
+    let of_instruments =
+        (seen < 1.0).then(|| format!("accounts for {:.0} % of {}", 100.0 * seen, instruments::words()));
     let of_output = validated.and_then(|v| v.worse).map(|(output, ratio)| {
         let channel = before.setup.experiment.outputs[output].column;
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
-    let refused = of_density.or(of_parts).or(of_output);
+    let refused = of_instruments.or(of_density).or(of_parts).or(of_output);
     Ok(Judged { validation, refused })
 }
 
@@ -171,6 +177,8 @@ struct Validated {
     fall: f64,
     /// Decrease of -2 ln p of the validation runs; `None` for held-out parts of fit runs.
     density: Option<f64>,
+    /// Part of the outputs that it accounts for ([`instruments`]).
+    seen: f64,
     /// The output that is predicted worst with it, and the ratio of its error to that without it, if structure error can hardly cause it.
     worse: Option<(usize, f64)>,
 }
@@ -187,8 +195,9 @@ impl Validated {
         let fall = |k: usize| (without[k] - with[k]) / candidate.point.evidence.inflation(k);
         let falls: Vec<f64> = (0..with.len()).map(fall).collect();
         let worse = worst(&with, &without, &falls);
+        let seen = accounts_for(setup, runs, shown);
         let [with, without, fall] = [with, without, falls].map(|parts| parts.iter().sum());
-        Validated { with, without, fall, density: None, worse }
+        Validated { with, without, fall, density: None, seen, worse }
     }
 }
 

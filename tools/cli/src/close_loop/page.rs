@@ -44,7 +44,7 @@ pub fn page(
             (plates(&[figures::localised(outcome)]))
         }
         (candidates(outcome))
-        (parameters(experiment, outcome))
+        (parameters(experiment, outcome, declaration))
         (measurement::noises(experiment, outcome))
         (whiteness(outcome))
         (exported(outcome, replay))
@@ -239,12 +239,9 @@ fn unit(name: &str) -> Cell {
 /// The parameters of an effect with their meaning.
 fn sizes(effect: &Found, declaration: &Declaration) -> Markup {
     let row = |p: &calibrate::outcome::Estimate| {
-        let entry = declaration.by_name(&format!("effect.{}.{}", effect.id, p.name));
-        // The rest of a description says what switches it off.
-        let meaning = entry.map_or("", |e| e.row.doc.split(';').next().unwrap_or_default());
         vec![
             Cell::Code(p.name.clone()),
-            meaning.into(),
+            meaning(&format!("effect.{}.{}", effect.id, p.name), declaration).into(),
             Cell::number(p.value),
             interval(p.ci95),
             unit(p.unit),
@@ -364,10 +361,16 @@ fn candidates(outcome: &Outcome) -> Markup {
     }
 }
 
-fn parameters(experiment: &Experiment, outcome: &Outcome) -> Markup {
+/// What a parameter is: the first clause of its description, which is followed by what switches it off.
+fn meaning<'a>(name: &str, declaration: &'a Declaration) -> &'a str {
+    declaration.by_name(name).map_or("", |e| e.row.doc.split(';').next().unwrap_or_default())
+}
+
+fn parameters(experiment: &Experiment, outcome: &Outcome, declaration: &Declaration) -> Markup {
     let row = |p: &calibrate::outcome::Estimate| {
         let refit = outcome.refit.iter().find(|r| r.name == p.name).map(|r| r.value);
         vec![
+            meaning(&p.name, declaration).into(),
             Cell::Code(p.name.clone()),
             Cell::number(p.prior),
             Cell::maybe(refit),
@@ -377,13 +380,14 @@ fn parameters(experiment: &Experiment, outcome: &Outcome) -> Markup {
         ]
     };
     let own = |(file, p): &(String, calibrate::outcome::Estimate)| {
-        let cells = [Cell::from(file.as_str()), Cell::Code(p.name.clone())];
+        let cells = [file.as_str().into(), meaning(&p.name, declaration).into(), Cell::Code(p.name.clone())];
         cells
             .into_iter()
             .chain([Cell::number(p.prior), Cell::number(p.value), interval(p.ci95), unit(p.unit)])
             .collect()
     };
-    let headers = ["parameter", "preset", "refit", "after", "95 % interval", "unit"];
+    let headers = ["parameter", "name", "preset", "refit", "after", "95 % interval", "unit"];
+    let of_run = ["run", "parameter", "name", "prior", "value", "95 % interval", "unit"];
     let pairs: Vec<String> =
         outcome.correlated.iter().map(|(a, b, r)| format!("{a} with {b} ({})", number(*r))).collect();
     html! {
@@ -392,10 +396,10 @@ fn parameters(experiment: &Experiment, outcome: &Outcome) -> Markup {
             (table(&headers, outcome.parameters.iter().map(row).collect()))
             @if !outcome.of_runs.is_empty() {
                 h3 { "Unknowns of single runs" }
-                (table(&["run", "parameter", "prior", "value", "95 % interval", "unit"], outcome.of_runs.iter().map(own).collect()))
+                (table(&of_run, outcome.of_runs.iter().map(own).collect()))
             }
             @if !pairs.is_empty() { p { "Strongly correlated estimates, with their correlation: " (list(&pairs, "and")) "." } }
-            (plates(&[figures::forest(experiment, outcome)]))
+            (plates(&[figures::forest(experiment, outcome, declaration)]))
         }
     }
 }

@@ -36,8 +36,9 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
                 shown(archive, &starts(setting), experiment, &drive)?
             } else {
                 // A run with its own terms needs a separate archive.
-                let folder =
-                    tempfile::tempdir().map_err(|e| Failure::new(format!("no folder to replay in: {e}")))?;
+                let folder = tempfile::tempdir().map_err(|e| {
+                    Failure::new(format!("no temporary folder to replay in (TMPDIR sets its place): {e}"))
+                })?;
                 let effects = terms(outcome, setting)?;
                 let contents = Contents {
                     preset: Some(&exported.preset),

@@ -98,6 +98,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         refit: 0.5,
         after: 0.11,
         floor: 0.1,
+        instruments: 0.0,
         blackbox: Some(0.7),
         prediction: Prediction { half_width: 0.2, inside: 0.95 },
     };

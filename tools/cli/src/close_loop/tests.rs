@@ -183,6 +183,8 @@ fn a_page_is_complete_in_itself() {
             "the exported FMUs reproduce them",
             "ARX of order 2",
             "Unknowns of single runs",
+            "Heat capacity of the winding (thermal.C_w)",
+            "Change of the parameters from the preset",
             "Next experiment",
             "Noise and drift",
             "Residual over the drivers",

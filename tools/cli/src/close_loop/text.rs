@@ -255,9 +255,9 @@ fn nothing(outcome: &Outcome) -> String {
     }
 }
 
-/// The greatest error of the final model relative to the noise, if it is above [`EXPLAINED`].
+/// The greatest error of the final model relative to the noise, if it is above [`EXPLAINED`] and the error of good instruments.
 fn unexplained_error(outcome: &Outcome, role: Role) -> Option<String> {
-    let of = outcome.errors.iter().filter(|e| e.role == role && e.floor > 0.0);
+    let of = outcome.errors.iter().filter(|e| e.role == role && e.floor > 0.0 && e.after > e.instruments);
     let ratios = of.map(|e| (e, e.after / e.floor)).filter(|(_, ratio)| *ratio > EXPLAINED);
     let (e, ratio) = ratios.max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(format!(
@@ -324,11 +324,11 @@ pub fn replay(replay: &Replay) -> String {
     };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
     format!(
-        "replayed with the exported FMUs: {} ({} data); their outputs differ from the model's by at most {:.1e} of the channel's range ({} in {}), \
+        "replayed with the exported FMUs: {} ({} data); their outputs differ from the model's by at most {} of the channel's range ({} in {}), \
          {relation} {:.0e}",
         list(&replay.replayed, "and"),
         replay.role,
-        replay.greatest_difference,
+        number(replay.greatest_difference),
         worst.column,
         worst.standard,
         replay.limit

@@ -99,10 +99,12 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     };
     text += &match continuous {
         Ok(c) => format!(
-            "continuous {} {} {}, peak {} N.m at the {}; limited by {}\n",
+            "continuous {} {} {}{}, peak {} N.m at the {}; limited by {}\n",
             words.factor[0],
             significant(c.support),
             words.factor[1],
+            // The name of the same number in sweep.
+            if words.factor[0] == "support" { "" } else { " (continuous_support)" },
             significant(c.at.joint_torque_peak),
             words.place,
             c.limited_by.text()

@@ -7,11 +7,17 @@ use crate::input::{Target, from_unit};
 use crate::{Error, InputTable};
 use std::path::Path;
 
-/// Reads the table at `path` for the inputs of a system that nothing else sets.
-pub(crate) fn read(path: &Path, parts: Parts, connections: &Connections) -> Result<InputTable, Error> {
+/// Reads the table at `path` for the inputs of a system that nothing else sets. A column `component.variable` without a unit is in the
+/// unit of the variable, or in its display unit; a connector of the system has a unit of its own.
+pub(crate) fn read(
+    path: &Path,
+    parts: Parts,
+    connections: &Connections,
+    display_units: bool,
+) -> Result<InputTable, Error> {
     let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
     InputTable::parse_for(path, &bytes, &|name, unit| {
-        let targets = targets(name, unit, parts, connections)?;
+        let targets = targets(name, unit, parts, connections, display_units)?;
         for (_, port) in &targets {
             if connections.sets[port.component].iter().any(|(v, _)| *v == port.variable) {
                 return Err(format!("column {name}: {} has a constant value already", parts.name(*port)));
@@ -31,6 +37,7 @@ fn targets<'a>(
     unit: Option<&str>,
     parts: Parts<'a>,
     connections: &Connections,
+    display_units: bool,
 ) -> Result<Vec<(Target<'a>, Port)>, String> {
     let mut targets = Vec::new();
     for input in connections.system_inputs.iter().filter(|s| s.name == name) {
@@ -42,7 +49,7 @@ fn targets<'a>(
         } else {
             let inner = unit_of(description, variable);
             let outward = conversion(inner.as_ref(), input.unit.as_ref(), variable.relative);
-            from_unit(description, variable, unit)?.then(outward.unwrap_or(Affine::IDENTITY))
+            from_unit(description, variable, unit, false)?.then(outward.unwrap_or(Affine::IDENTITY))
         };
         let convert = to_connector.then(input.convert);
         let target = Target { component: input.port.component, description, variable, convert };
@@ -59,7 +66,7 @@ fn targets<'a>(
     let description = parts.description(component);
     let variable = description.settable(inner).map_err(|e| format!("unknown column: {e}"))?;
     let place = description.variables.iter().position(|v| v.name == inner).unwrap_or(0);
-    let convert = from_unit(description, variable, unit)?;
+    let convert = from_unit(description, variable, unit, display_units)?;
     let port = Port { component, variable: place };
     Ok(vec![(Target { component, description, variable, convert }, port)])
 }

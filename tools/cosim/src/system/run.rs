@@ -29,6 +29,8 @@ pub struct SystemOptions {
     pub sets: Vec<(String, String)>,
     /// CSV file of inputs over time, with columns `component.variable` or inputs of the system.
     pub input: Option<PathBuf>,
+    /// Columns `component.variable` without a unit are in the display unit of the variable.
+    pub display_units: bool,
     /// Coupling algorithm.
     pub algorithm: Algorithm,
     /// Hold all inputs constant during a step, also where an FMU takes input derivatives.
@@ -82,7 +84,11 @@ pub fn cosimulate(
     let parts = system.parts();
     let structure = parts.structure;
     let mut connections = resolve(parts, &options.sets)?;
-    let table = options.input.as_deref().map(|path| inputs::read(path, parts, &connections)).transpose()?;
+    let table = options
+        .input
+        .as_deref()
+        .map(|path| inputs::read(path, parts, &connections, options.display_units))
+        .transpose()?;
     connections.check_open_inputs(parts, table.as_ref())?;
     connections.notes.extend(table.iter().flat_map(InputTable::notes).cloned());
     let order = order(parts, &connections, options.algorithm == Algorithm::JacobiDelayed);
@@ -119,10 +125,11 @@ pub fn cosimulate(
     record.point(&mut master, start, false)?;
     let outcome = match options.tolerance {
         None => {
-            let (steps, ended) = grid.run(progress, |k, t, h, end| {
+            let table = table.as_ref().filter(|_| rigid.is_none());
+            let (steps, ended) = grid.run(table, progress, |t, h, end, point| {
                 let ended = master.step(t, h)?.map(|component| (component, t));
-                if ended.is_none() {
-                    record.point(&mut master, end, k + 1 == grid.steps)?;
+                if let (None, Some(point)) = (ended, point) {
+                    record.point(&mut master, end, point == grid.steps)?;
                 }
                 Ok(ended)
             })?;

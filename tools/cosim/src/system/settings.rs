@@ -69,7 +69,7 @@ pub(crate) fn setting_error(component: &Component, setting: &Setting, asked: boo
 
 pub(crate) fn refused(setting: &Setting, asked: bool, reason: String) -> Error {
     if asked {
-        return Error::option("setting", format!("{} = {}", setting.name, setting.text), reason);
+        return Error::unsupported(format!("setting {} = {}", setting.name, setting.text), reason);
     }
     setting.place.fault(format!("{} {reason}", setting.name))
 }

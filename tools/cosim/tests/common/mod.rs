@@ -103,7 +103,7 @@ pub fn table(version: FmiVersion, text: &str) -> InputTable {
     let fmu = Fmu::good(version);
     let path = fmu.dir.path().join("in.csv");
     fs::write(&path, text).unwrap();
-    InputTable::read(&path, fmu.open().unwrap().description()).unwrap()
+    InputTable::read(&path, fmu.open().unwrap().description(), false).unwrap()
 }
 
 /// The tables of `data/faults.toml`.

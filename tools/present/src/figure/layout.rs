@@ -21,7 +21,10 @@ pub(super) fn width(text: &str) -> f64 {
     LETTER * text.chars().count() as f64
 }
 
-/// A text in lines of at most this width, broken at spaces, and within a word that is longer than a line.
+/// Letters after which a long word is broken.
+pub(super) const BREAKS: [char; 4] = ['-', '_', '.', '/'];
+
+/// A text in lines of at most this width, broken at spaces; within a word that is longer than a line after one of [`BREAKS`], or anywhere.
 pub(super) fn wrap(text: &str, room: f64) -> Vec<String> {
     let most = ((room / LETTER) as usize).max(6);
     let mut lines: Vec<String> = Vec::new();
@@ -36,7 +39,8 @@ pub(super) fn wrap(text: &str, room: f64) -> Vec<String> {
             _ => {}
         }
         while rest.len() > most {
-            lines.push(rest.drain(..most).collect());
+            let end = rest[..most].iter().rposition(|c| BREAKS.contains(c)).map_or(most, |k| k + 1);
+            lines.push(rest.drain(..end).collect());
         }
         lines.push(rest.into_iter().collect());
     }
@@ -46,8 +50,15 @@ pub(super) fn wrap(text: &str, room: f64) -> Vec<String> {
 
 /// Text at a place; `class` begins with its anchor: e for its end, m for its middle.
 pub(super) fn text(x: f64, y: f64, class: &str, text: &str) -> Markup {
-    let class = (!class.is_empty()).then_some(class);
-    html! { text class=[class] x=(format_args!("{x:.1}")) y=(format_args!("{y:.1}")) { (text) } }
+    let one = |class: &str| {
+        let class = (!class.is_empty()).then_some(class);
+        html! { text class=[class] x=(format_args!("{x:.1}")) y=(format_args!("{y:.1}")) { (text) } }
+    };
+    // Text over lines stands on its own outline, in the colour of the paper; some converters paint the outline of a text last.
+    match class.strip_suffix('o') {
+        Some(plain) => html! { (one(class)) (one(plain.trim_end())) },
+        None => one(class),
+    }
 }
 
 /// A label below an axis at a place, moved to stay inside the figure.
@@ -56,12 +67,18 @@ pub(super) fn below(x: f64, y: f64, label: &str) -> Markup {
     text(x.clamp(half, (WIDTH - half).max(half)), y, "m", label)
 }
 
+/// A label below an axis at a place, written upwards.
+pub(super) fn upright(x: f64, y: f64, label: &str) -> Markup {
+    html! { text.e transform=(format_args!("translate({:.1} {y:.1}) rotate(-90)", x + BASELINE)) { (label) } }
+}
+
 /// A part of a figure, moved.
 pub(super) fn place(x: f64, y: f64, content: Markup) -> Markup {
     html! { g transform=(format_args!("translate({x:.1} {y:.1})")) { (content) } }
 }
 
-/// Classes with colours, which every viewer of SVG knows, and the dark scheme over them.
+/// Classes with colours, which every viewer of SVG knows, and the dark scheme over them. Converters to PDF and PNG take `height:auto` for 0
+/// and do not read rules for screens.
 fn style() -> String {
     let colours = |p: &Palette| {
         let mut css = format!(
@@ -80,11 +97,11 @@ fn style() -> String {
         css
     };
     format!(
-        ".f{{max-width:100%;height:auto}}.f text{{font:13px system-ui,'Segoe UI',Helvetica,Arial,sans-serif}}\
+        "@media screen{{.f{{max-width:100%;height:auto}}}}.f text{{font:13px system-ui,'Segoe UI',Helvetica,Arial,sans-serif}}\
          .f .t{{font-weight:600;font-size:14px}}.f .e{{text-anchor:end}}.f .m{{text-anchor:middle}}\
          .f .a,.f .z,.f .n,.f .k,.f .l{{fill:none}}.f .l{{stroke-width:2;stroke-linejoin:round}}.f .l.h{{stroke-width:1}}\
          .f .k{{stroke-width:1.5}}.f .p{{stroke-width:1}}.f .n{{stroke-dasharray:3 4}}.f .z{{stroke-dasharray:6 4;stroke-width:1.5}}\
-         .f .w{{fill-opacity:.22;stroke:none}}.f .o{{paint-order:stroke;stroke-width:4;stroke-linejoin:round}}\
+         .f .w{{fill-opacity:.22;stroke:none}}.f .o{{stroke-width:4;stroke-linejoin:round}}\
          {}@media (prefers-color-scheme:dark){{{}}}",
         colours(&LIGHT),
         colours(&DARK)
@@ -188,7 +205,14 @@ impl Scale {
         let first = (self.span.0 / step - 1e-9).ceil() as i64;
         let last = (self.span.1 / step + 1e-9).floor() as i64;
         let places: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
-        let size = places.iter().fold(0.0, |size: f64, v| size.max(v.abs()));
+        let greatest = |values: &[f64]| values.iter().fold(0.0, |size: f64, v| size.max(v.abs()));
+        // Labels that would all begin with the same four digits or more are differences from a round value of 100 units of the last digit.
+        let unit = (100.0 / factor) as i64;
+        let origin = match greatest(&places) >= 0.999e4 * step {
+            true => ((first + last + unit) / 2).div_euclid(unit) * unit,
+            false => 0,
+        };
+        let size = greatest(&places.iter().map(|v| v - origin as f64 * step).collect::<Vec<_>>());
         let power = match size {
             0.0 => 0,
             _ if (1e-2..1e5).contains(&size) => 0,
@@ -200,7 +224,9 @@ impl Scale {
             _ => format!("{:.digits$}", k as f64 * factor * 10f64.powf(decade - f64::from(power)))
                 .replace('-', "\u{2212}"),
         };
-        Ticks { labels: (first..=last).map(label).collect(), places, power }
+        let labels = (first..=last).map(|k| label(k - origin)).collect();
+        let origin = (origin != 0).then(|| rounded(origin as f64 * step, decade + 2.0));
+        Ticks { labels, places, power, origin }
     }
 
     /// As many ticks as have room side by side.
@@ -214,11 +240,22 @@ impl Scale {
     }
 }
 
-/// Round places on an axis; their labels are in units of a power of ten.
+/// A number down to the digit of this power of ten.
+fn rounded(value: f64, last: f64) -> String {
+    let size = value.abs();
+    match (1e-4..1e7).contains(&size) {
+        true => format!("{value:.*}", (-last).clamp(0.0, 12.0) as usize),
+        false => format!("{value:.*e}", (size.log10().floor() - last).clamp(0.0, 12.0) as usize),
+    }
+    .replace('-', "\u{2212}")
+}
+
+/// Round places on an axis; their labels are differences from an origin, in units of a power of ten.
 pub(super) struct Ticks {
     pub places: Vec<f64>,
     pub labels: Vec<String>,
     pub power: i32,
+    pub origin: Option<String>,
 }
 
 impl Ticks {
@@ -226,15 +263,19 @@ impl Ticks {
         self.places.iter().copied().zip(self.labels.iter().cloned()).collect()
     }
 
-    /// The axis label with the power of ten.
+    /// The axis label with the origin and the power of ten.
     pub fn with_power(&self, label: &str) -> String {
         let raised = |c: char| match c {
             '-' => '⁻',
             digit => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit as usize - '0' as usize).unwrap_or(digit),
         };
-        match self.power {
-            0 => label.to_owned(),
-            power => format!("{label} × 10{}", power.to_string().chars().map(raised).collect::<String>()),
+        let power = match self.power {
+            0 => String::new(),
+            power => format!(" × 10{}", power.to_string().chars().map(raised).collect::<String>()),
+        };
+        match &self.origin {
+            None => format!("{label}{power}"),
+            Some(origin) => format!("{label} = {origin} + value{power}"),
         }
     }
 }
@@ -256,17 +297,23 @@ mod tests {
             ((0.0, 2e-5), vec!["0", "5", "10", "15", "20"], -6),
             ((0.0, 3e6), vec!["0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0"], 6),
             ((25.0, 25.05), vec!["25.00", "25.01", "25.02", "25.03", "25.04", "25.05"], 0),
+            ((1.13008, 1.13022), vec!["100", "150", "200"], -6),
+            ((-0.060_300_1, -0.060_299_4), vec!["0", "200", "400", "600"], -9),
+            ((100_000.0, 100_010.0), vec!["0", "2", "4", "6", "8", "10"], 0),
         ] {
             let found = ticks(from, to, 6);
             assert_eq!((found.labels, found.power), (labels.into_iter().map(str::to_owned).collect(), power));
         }
         assert_eq!(ticks(0.0, 2e-5, 6).with_power("flow in m³/s"), "flow in m³/s × 10⁻⁶");
+        assert_eq!(ticks(1.13008, 1.13022, 3).with_power("torque"), "torque = 1.130 + value × 10⁻⁶");
+        assert_eq!(ticks(1e5, 1.0001e5, 6).with_power("time in s"), "time in s = 100000 + value");
     }
 
     #[test]
     fn texts_are_wrapped_at_spaces_and_in_long_words() {
         assert_eq!(wrap("one two three", 7.0 * LETTER), ["one two", "three"]);
         assert_eq!(wrap("abcdefghij", 6.0 * LETTER), ["abcdef", "ghij"]);
+        assert_eq!(wrap("abc-defghij", 8.0 * LETTER), ["abc-", "defghij"]);
         assert!(wrap("", 100.0).is_empty());
     }
 }

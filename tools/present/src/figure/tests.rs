@@ -37,6 +37,15 @@ fn a_line_is_interrupted_where_it_has_no_value() {
     assert_eq!(path(&svg, "l k0", 0).matches('M').count(), 2);
 }
 
+/// A logger that writes each sensor at its own times leaves one reading between blank cells: no line could show it.
+#[test]
+fn a_value_between_gaps_is_a_point() {
+    let gap = f64::NAN;
+    let line = vec![(0.0, 1.0), (1.0, gap), (2.0, 2.0), (3.0, 3.0), (4.0, gap), (5.0, 1.5)];
+    let dots = |points: Vec<(f64, f64)>| parsed(&figure().line("l", points)).matches("<circle").count();
+    assert_eq!((dots(line), dots(vec![(0.0, 1.0)]), dots(vec![(0.0, 1.0), (1.0, 1.0)])), (2, 1, 0));
+}
+
 /// Half a unit up and down about a line at 1: the axis holds it, and the outline closes.
 #[test]
 fn the_axis_holds_bands_bars_and_limits() {
@@ -128,4 +137,43 @@ fn panels_share_the_x_axis() {
     let at =
         |path: &str, k: usize| path.split(['M', 'L']).nth(k).unwrap().split(' ').next().unwrap().to_owned();
     assert_ne!(at(&first, 2), at(&second, 2), "1 s and 2 s");
+}
+
+/// Names of five motors fit side by side where they are broken after a hyphen; longer ones are written upwards, whole.
+#[test]
+fn names_of_categories_do_not_collide() {
+    let drawn = |names: &[&str]| {
+        let points = (0..names.len()).map(|k| (k as f64, 1.0)).collect();
+        parsed(&figure().points("p", points).categories(names))
+    };
+    let short = drawn(&["maxon-ht60m-936176", "maxon-305015", "maxon-re40-148877", "a", "b"]);
+    assert!(short.contains(">maxon-<") && short.contains(">305015<") && !short.contains("rotate"), "{short}");
+    let long = drawn(&["faulhaber-1524t006sr"; 9]);
+    assert_eq!(long.matches(">faulhaber-1524t006sr</text>").count(), 9, "{long}");
+    let height: f64 = roxmltree::Document::parse(&long)
+        .unwrap()
+        .root_element()
+        .attribute("height")
+        .unwrap()
+        .parse()
+        .unwrap();
+    assert!(height > HEIGHT.0 + width("faulhaber-1524t006sr"), "{height}");
+}
+
+/// Rims of the colour of the paper would cover the neighbours.
+#[test]
+fn many_points_have_no_rims() {
+    let svg = |count: u32| parsed(&figure().points("", (0..count).map(|k| (f64::from(k), 0.0)).collect()));
+    assert_eq!(
+        (svg(50).matches("class=\"p d0\"").count(), svg(500).matches("class=\"p d0\"").count()),
+        (50, 0)
+    );
+}
+
+/// `height:auto` on the root is 0 for converters; they do not read rules for screens.
+#[test]
+fn the_height_of_the_root_is_its_attribute() {
+    let svg = parsed(&figure().line("l", vec![(0.0, 0.0), (1.0, 1.0)]));
+    let automatic = svg.find("height:auto").unwrap();
+    assert!(svg[..automatic].ends_with("@media screen{.f{max-width:100%;"), "{svg}");
 }

@@ -16,6 +16,8 @@ use physics::declare::{Causality, Kind};
 /// Minimum of the cost over the declared parameters: by output, and of the priors.
 pub(super) struct Cost {
     outputs: Vec<f64>,
+    /// The part of the outputs that no zero of a thermometer explains ([`squares`]).
+    shapes: Vec<f64>,
     /// Sum of ln sigma over the outputs that were fitted.
     width: f64,
     /// Sum of ln |dx/dy| over the outputs, y the readings as recorded and x those that were fitted.
@@ -36,10 +38,12 @@ impl Cost {
     fn new(setup: &Setup, fitted: Fitted, runs: &[usize]) -> Result<Cost, CalibrateError> {
         let all = all_runs(setup.experiment);
         let shown = setup.show(&fitted.hypothesis, &all)?;
+        let picked: Vec<Shown> = runs.iter().map(|run| shown[*run].clone()).collect();
         let own: Vec<Vec<f64>> = runs.iter().map(|run| squares(setup, *run, &shown[*run])).collect();
-        let of_output = |k: usize| own.iter().map(|run| run[k]).sum::<f64>();
+        let shape = |k: usize| own.iter().map(|run| run[k]).sum::<f64>();
         Ok(Cost {
-            outputs: (0..setup.outputs()).map(|k| of_output(k) / setup.sigma(k).powi(2)).collect(),
+            outputs: setup.chi_squares(runs, &picked),
+            shapes: (0..setup.outputs()).map(|k| shape(k) / setup.sigma(k).powi(2)).collect(),
             width: (0..setup.outputs()).map(|k| setup.sigma(k).ln()).sum(),
             stretch: 0.0,
             fitted: runs.len(),
@@ -73,14 +77,19 @@ impl Cost {
         self.whole() + self.wider_than(with_mistake).max(0.0) <= readings
     }
 
-    /// Whether the cost is worse by this factor in those outputs in which the two differ, `except` for one. The other outputs may lack an
-    /// unrelated effect.
+    /// Whether the cost is worse by this factor in those outputs in which the two differ, `except` for one, whatever the zeros of the
+    /// thermometers. The other outputs may lack an unrelated effect.
     pub(super) fn is_worse_than(&self, other: &Cost, factor: f64, except: Option<usize>) -> bool {
-        let pairs = self.outputs.iter().zip(&other.outputs).enumerate().filter(|(k, _)| Some(*k) != except);
-        let pairs = pairs.map(|(_, pair)| pair).filter(|(own, other)| (*own - *other).abs() > LEAST);
-        let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
-        let (own, meant) = (own + self.wider_than(other).max(0.0), meant + other.wider_than(self).max(0.0));
-        own > factor * meant && own > meant + DECISIVE
+        let is_worse = |all: &[f64], others: &[f64]| {
+            let pairs = all.iter().zip(others).enumerate().filter(|(k, _)| Some(*k) != except);
+            let pairs = pairs.map(|(_, pair)| pair).filter(|(own, other)| (*own - *other).abs() > LEAST);
+            let (own, meant) =
+                pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
+            let (own, meant) =
+                (own + self.wider_than(other).max(0.0), meant + other.wider_than(self).max(0.0));
+            own > factor * meant && own > meant + DECISIVE
+        };
+        is_worse(&self.outputs, &other.outputs) && is_worse(&self.shapes, &other.shapes)
     }
 
     /// (3), with respect to a fit with one parameter more.
@@ -161,6 +170,7 @@ pub(super) fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, Cal
     // A model that cannot be simulated explains no data.
     Ok(cost.unwrap_or_else(|_| Cost {
         outputs: vec![f64::MAX; ready.setup.outputs()],
+        shapes: vec![f64::MAX; ready.setup.outputs()],
         width: f64::NAN,
         stretch: 0.0,
         fitted: ready.own.len(),
@@ -190,12 +200,13 @@ pub(super) fn crossed(
     Ok(all)
 }
 
-/// Cost if a parameter of [set] or [prior] may have any value of its order, with this value and the present one; `None` if it is no real
-/// number or zero.
+/// Cost if a parameter of [set] or [prior] has this standard deviation relative to its value, with the value then and the present one; `None`
+/// if it is no real number or zero.
 pub(super) fn with_free(
     judge: &Judge,
     experiment: &Experiment,
     name: &str,
+    deviation: f64,
 ) -> Result<Option<(Cost, f64, f64)>, CalibrateError> {
     let mut other = experiment.clone();
     other.priors.retain(|p| p.name != name);
@@ -203,8 +214,7 @@ pub(super) fn with_free(
     if entry.is_none_or(|e| e.row.causality != Causality::Parameter || !matches!(e.row.kind, Kind::Real)) {
         return Ok(None);
     }
-    let deviation = Deviation::Relative(undeclared::DEVIATION);
-    other.priors.insert(0, Prior { name: name.to_string(), deviation });
+    other.priors.insert(0, Prior { name: name.to_string(), deviation: Deviation::Relative(deviation) });
     let ready = Prepared::new(judge, &other)?;
     let own = ready.setup.declared[0].prior;
     if own == 0.0 {

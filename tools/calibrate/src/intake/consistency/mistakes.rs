@@ -3,7 +3,7 @@
 use super::super::ambient;
 use super::conversions::{SIGN, unit_mistakes};
 use crate::experiment::{CELSIUS, Channel, Experiment, Start};
-use crate::levels::FACTOR;
+use crate::levels::{FACTOR, PART};
 use physics::declare::Unit;
 
 /// Hypothetical mistake: a change of the data.
@@ -71,6 +71,16 @@ impl Mistake {
                 columns.iter().filter(|k| **k >= inputs).count() as f64 * factor.abs().ln()
             }
             _ => 0.0,
+        }
+    }
+
+    /// Whether both are factors that differ by less than a missing effect or a gain does.
+    pub fn is_near(&self, other: &Mistake) -> bool {
+        match (self, other) {
+            (Mistake::Affine { factor: a, .. }, Mistake::Affine { factor: b, .. }) => {
+                (1.0 / (1.0 + PART)..=1.0 + PART).contains(&(a / b))
+            }
+            _ => false,
         }
     }
 
@@ -322,9 +332,17 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let all = channels(experiment);
     let mut found = Vec::new();
     let mut quantities: Vec<Unit> = Vec::new();
-    for (factor, unit) in
-        [(1e-3, "ms"), (60.0, "min"), (3600.0, "h"), (1e-6, "us"), (1e3, "ks"), (1.0 / 60.0, "1/60 s")]
-    {
+    for (factor, unit) in [
+        (1e-3, "ms"),
+        (60.0, "min"),
+        (3600.0, "h"),
+        (86_400.0, "d"),
+        (1e-6, "us"),
+        (1e3, "ks"),
+        (1e-1, "1/10 s"),
+        (1e-2, "1/100 s"),
+        (1.0 / 60.0, "1/60 s"),
+    ] {
         found.push(Mistake::Time(factor, Some(unit)));
     }
     let longest = experiment.runs.iter().map(|run| run.table.time.as_slice());

@@ -7,8 +7,9 @@ use crate::CalibrateError;
 use crate::experiment::Experiment;
 use crate::intake::signals::POSSIBLE;
 use crate::intake::{Unusable, declaration, median};
-use crate::levels::{FACTOR, PART, SAMPLES, STRUCTURE};
+use crate::levels::{FACTOR, PART, SAMPLES, SMALL, STRUCTURE};
 use crate::selection::LEAST;
+use crate::undeclared;
 use physics::declare::Unit;
 
 /// Decrease of the score required for confirming a hypothesis. Derivation: the square of q of one output halves, so that the mistake
@@ -30,6 +31,9 @@ const INTERVALS: f64 = 1.25;
 /// Factor of time below which a preset of another size is no explanation. Limit: time constants of motors differ by tens, not by hundreds.
 const ANOTHER_SIZE: f64 = 1e-2;
 
+/// Standard deviation of a value of another order, relative to it. Limit: units differ by thousands, and are a deviation of a few.
+const ANY_ORDER: f64 = 300.0;
+
 /// q of (1) and the best ratio of reading to prediction, by output; `None` without readings.
 type Agreement = Vec<Option<(f64, f64)>>;
 
@@ -42,6 +46,12 @@ pub(super) struct Changed {
     pub shown: Predicted,
 }
 
+/// The reason why the data cannot be used, and the data as they are meant.
+pub(super) struct Found {
+    pub why: Unusable,
+    pub data: Experiment,
+}
+
 /// The combination of mistakes that gives the best agreement with the model, if no parameter values within the priors explain the
 /// unchanged data nearly as well.
 pub(super) fn search(
@@ -49,7 +59,7 @@ pub(super) fn search(
     experiment: &Experiment,
     predicted: &Predicted,
     files: &str,
-) -> Result<Option<Unusable>, CalibrateError> {
+) -> Result<Option<Found>, CalibrateError> {
     let mut at = experiment.clone();
     let mut predicted = predicted.clone();
     // Each mistake with the others that explain the data as well.
@@ -82,18 +92,22 @@ pub(super) fn search(
         suggestions.push(format!("check the value of {name} in [set] and [prior]"));
     }
     let channel = channel.unwrap_or_default();
-    Ok(Some(Unusable { channel, reason: reasons.join("; "), suggestion: suggestions.join("; ") }))
+    let why = Unusable { channel, reason: reasons.join("; "), suggestion: suggestions.join("; ") };
+    Ok(Some(Found { why, data: at }))
 }
 
 /// The unit of a time that is too long, if the model agrees with the data in that unit only. It makes every simulation of the data as they
-/// are long, and is therefore looked for before anything is fitted to them.
+/// are long, and is therefore looked for before anything is fitted to them: in every run (`of` is `None`), or in one file.
 pub(super) fn wrong_time(
-    judge: &Judge,
+    whole: &Judge,
     experiment: &Experiment,
-    files: &str,
+    of: Option<(&str, &[usize])>,
 ) -> Result<Option<Unusable>, CalibrateError> {
+    let (files, runs, most) =
+        of.map_or(("every run", whole.runs, ANOTHER_SIZE), |(file, runs)| (file, runs, SMALL));
+    let judge = &Judge { runs, ..whole.clone() };
     let before = judge.outputs(experiment, &judge.predicted(experiment));
-    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor < ANOTHER_SIZE);
+    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor <= most);
     let mut best: Option<(f64, Mistake, Experiment)> = None;
     for mistake in mistakes(experiment).into_iter().filter(|m| worst(&before) > PART && is_shorter(m)) {
         let mut data = experiment.clone();
@@ -106,7 +120,7 @@ pub(super) fn wrong_time(
         }
     }
     let Some((_, mistake, data)) = best else { return Ok(None) };
-    let as_meant = fitted(judge, &data)?;
+    let as_meant = fitted(whole, &data)?;
     let agrees = !as_meant.is_cut && as_meant.bad_runs().is_empty();
     let (channel, reason, suggestion) = mistake.words(experiment, files);
     Ok(agrees.then_some(Unusable { channel, reason, suggestion }))
@@ -119,22 +133,56 @@ fn other_values(
     experiment: &Experiment,
     as_meant: &Cost,
 ) -> Result<Vec<(String, f64, f64)>, CalibrateError> {
-    let set = experiment.set.iter().map(|(name, _)| name);
-    let mut found: Vec<(String, f64, f64)> = Vec::new();
-    for name in set.chain(experiment.priors.iter().map(|p| &p.name)) {
-        if judge.deadline.is_near() {
-            break;
-        }
-        // A value in [set] may have a prior as well.
-        if !found.iter().any(|(known, ..)| known == name)
-            && let Some((cost, value, own)) = with_free(judge, experiment, name)?
-            && (1.0 / FACTOR..=FACTOR).contains(&(value / own))
-            && !cost.is_worse_than(as_meant, FACTOR, None)
-        {
-            found.push((name.clone(), value, own));
+    let mut found = Vec::new();
+    for (name, cost, value, own) in freed(judge, experiment, undeclared::DEVIATION)? {
+        if is_of_its_order(value, own) && !cost.is_worse_than(as_meant, FACTOR, None) {
+            found.push((name, value, own));
         }
     }
     Ok(found)
+}
+
+/// The value of [set] or [prior] of another order than the specimen's, if the data agree with the model with that of the specimen.
+pub(super) fn wrong_value(
+    judge: &Judge,
+    experiment: &Experiment,
+) -> Result<Option<Unusable>, CalibrateError> {
+    let agree = freed(judge, experiment, ANY_ORDER)?.into_iter().filter(|(_, cost, value, own)| {
+        !cost.is_cut && !is_of_its_order(*value, *own) && cost.bad_runs().is_empty()
+    });
+    let best = agree.min_by(|a, b| a.1.whole().total_cmp(&b.1.whole()));
+    Ok(best.map(|(name, _, value, own)| Unusable {
+        reason: format!("{name} = {own:.4} contradicts the data, which agree with the model for {value:.4}"),
+        suggestion: format!("check the value and the unit of {name} in [set], [prior] and the preset"),
+        channel: name,
+    }))
+}
+
+fn is_of_its_order(value: f64, own: f64) -> bool {
+    (1.0 / FACTOR..=FACTOR).contains(&(value / own))
+}
+
+/// The parameters of [set] and [prior], each with the cost if it has this standard deviation relative to its value, the value then, and the
+/// present one.
+fn freed(
+    judge: &Judge,
+    experiment: &Experiment,
+    deviation: f64,
+) -> Result<Vec<(String, Cost, f64, f64)>, CalibrateError> {
+    let set = experiment.set.iter().map(|(name, _)| name);
+    // A value in [set] may have a prior as well.
+    let of_prior = experiment.priors.iter().map(|p| &p.name);
+    let of_prior = of_prior.filter(|name| !experiment.set.iter().any(|(other, _)| other == *name));
+    let mut all = Vec::new();
+    for name in set.chain(of_prior) {
+        if judge.deadline.is_near() {
+            break;
+        }
+        if let Some((cost, value, own)) = with_free(judge, experiment, name, deviation)? {
+            all.push((name.clone(), cost, value, own));
+        }
+    }
+    Ok(all)
 }
 
 /// The hypotheses that agree better with the model than the data as they are, or hardly differ from them.
@@ -265,10 +313,15 @@ fn confirmed(
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     while !all.is_empty() {
         let most = all[0].0 + LEAST;
-        let equal = all.iter().take_while(|(cost, ..)| *cost <= most).count();
-        let mut rest: Vec<(f64, Cost, Changed)> = all.drain(..equal).collect();
-        rest.sort_by_key(|(.., one)| place(&one.mistake, at));
-        let (_, as_meant, one) = rest.remove(0);
+        // Structure error decides between those about the same columns that leave as little: the first in the list is the simplest.
+        let (columns, least) = (all[0].2.mistake.touches(), &all[0].1);
+        let is_alike = |(cost, own, one): &(f64, Cost, Changed)| {
+            *cost <= most || one.mistake.touches() == columns && !own.is_worse_than(least, FACTOR, None)
+        };
+        let alike = (0..all.len()).filter(|k| is_alike(&all[*k]));
+        let simplest = alike.min_by_key(|k| place(&all[*k].2.mistake, at)).unwrap_or(0);
+        let (_, as_meant, one) = all.remove(simplest);
+        let rest: Vec<(f64, Cost, Changed)> = all.extract_if(.., |(cost, ..)| *cost <= most).collect();
         let mut is_sensor = false;
         // A failed sensor of one output contradicts the same rows; it leaves the other outputs in agreement.
         if one.mistake.is_simulated(at) {
@@ -279,8 +332,9 @@ fn confirmed(
         }
         if !is_sensor {
             let same = one.mistake.touches();
-            let others = rest.into_iter().map(|(.., other)| other.mistake).filter(|m| m.touches() == same);
-            return Ok(Some((as_meant, one, others.collect())));
+            let mut others: Vec<Mistake> = rest.into_iter().map(|(.., other)| other.mistake).collect();
+            others.retain(|m| m.touches() == same && !m.is_near(&one.mistake));
+            return Ok(Some((as_meant, one, others)));
         }
     }
     Ok(None)

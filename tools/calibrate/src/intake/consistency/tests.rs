@@ -3,8 +3,10 @@
 use super::mistakes::{Mistake, mistakes};
 use crate::experiment::Experiment;
 use crate::intake::tests::{
-    CURRENT, SPEED, TORQUE, VOLTAGE, column, experiment, reason, unusable, with_inputs,
+    CURRENT, SPEED, TORQUE, VOLTAGE, WINDING, column, experiment, reason, unusable, with_inputs,
 };
+use crate::setup::Setup;
+use std::f64::consts::PI;
 
 /// Steps of current and speed in both directions.
 fn reversing(seed: u64) -> Experiment {
@@ -121,18 +123,20 @@ fn ac_coupling_of_an_output_is_faster_than_a_housing() {
     }
 }
 
+/// Three files of one motor.
+fn three() -> Experiment {
+    let mut all = experiment(34);
+    for (n, seed) in [(2, 35), (3, 36)] {
+        let mut run = with_inputs(seed, |columns| columns[CURRENT].rotate_right(37 * n)).runs.remove(0);
+        run.file = format!("run-{n}.csv");
+        all.runs.push(run);
+    }
+    all
+}
+
 /// One of three files has another interval between its rows than its times state; in all of them it is another motor.
 #[test]
 fn another_interval_in_one_file_is_unusable() {
-    let three = || {
-        let mut all = experiment(34);
-        for (n, seed) in [(2, 35), (3, 36)] {
-            let mut run = with_inputs(seed, |columns| columns[CURRENT].rotate_right(37 * n)).runs.remove(0);
-            run.file = format!("run-{n}.csv");
-            all.runs.push(run);
-        }
-        all
-    };
     assert_eq!(unusable(&mut three()), None);
     for factor in [0.5, 2.0, 0.2, 0.7, 4.0] {
         let mut wrong = three();
@@ -143,4 +147,49 @@ fn another_interval_in_one_file_is_unusable() {
         assert!(reason.starts_with("time_s: time_s in run-2.csv"), "{reason}");
         assert!((found.unwrap() * factor - 1.0).abs() < 0.1, "{reason}");
     }
+}
+
+/// A wrong unit in one of three files is stated of that file and as that unit, also if it spoils the fit of all files.
+#[test]
+fn a_wrong_unit_of_one_file_is_named_as_one() {
+    for (run, k, factor, words) in [
+        (1, SPEED, 30.0 / PI, "speed_rad_per_s in run-2.csv contradict the model, which readings in rpm"),
+        (0, SPEED, 180.0 / PI, "speed_rad_per_s in run.csv contradict the model, which readings in deg/s"),
+        (2, TORQUE, 1e3, "shaft_torque_Nm in run-3.csv contradict the model, which readings in mN.m"),
+    ] {
+        let mut wrong = three();
+        wrong.runs[run].table.columns[k].iter_mut().for_each(|x| *x *= factor);
+        let reason = reason(&mut wrong);
+        assert!(reason.contains(words), "{reason}");
+    }
+    let mut long = three();
+    long.runs[1].table.time.iter_mut().for_each(|t| *t *= 1e3);
+    let reason = reason(&mut long);
+    assert!(reason.contains("time_s in run-2.csv") && reason.contains("times in ms"), "{reason}");
+}
+
+/// A value of [set] that is ten times too great or too small, where the data agree with the model otherwise.
+#[test]
+fn a_value_of_another_order_is_named() {
+    for (name, factor) in [("thermal.C_h", 10.0), ("motor.R_ref", 0.1), ("conductance.G_still", 20.0)] {
+        let mut wrong = experiment(41);
+        let setup = Setup::new(&wrong, &[]).unwrap();
+        let own = setup.declared.iter().find(|d| d.name == name).unwrap().prior;
+        drop(setup);
+        wrong.priors.retain(|p| p.name != name);
+        wrong.set.push((name.to_string(), factor * own));
+        let reason = reason(&mut wrong);
+        assert!(reason.starts_with(name) && reason.contains("contradicts the data"), "{reason}");
+    }
+}
+
+/// Nothing is heated in one of the runs, and the zeros of the thermometers differ there: no unit explains that.
+#[test]
+fn thermometers_at_rest_may_differ() {
+    let mut all = three();
+    let mut rest = with_inputs(42, |columns| [CURRENT, SPEED].into_iter().for_each(|k| columns[k].fill(0.0)));
+    rest.runs[0].file = "rest.csv".to_string();
+    rest.runs[0].table.columns[WINDING].iter_mut().for_each(|x| *x -= 0.8);
+    all.runs.push(rest.runs.remove(0));
+    assert_eq!(unusable(&mut all), None, "{:?}", all.notes);
 }

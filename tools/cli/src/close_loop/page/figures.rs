@@ -1,11 +1,11 @@
 //! The figures of the page.
 
 use super::super::text::{self, number, plain};
-use super::port;
+use super::{meaning, port};
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Curve, Curves, Outcome, Unexplained};
 use calibrate::report::{column_words, driver_unit};
-use describe::{Grid, Law};
+use describe::{Declaration, Grid, Law};
 use present::figure::{Axis, Figure, Mark, Row, Rows};
 use present::page::Plate;
 
@@ -24,11 +24,13 @@ pub fn compared(curves: &Curves, experiment: &Experiment) -> Plate {
             .colour(1)
             .line("after", points(&curve.after));
     }
+    let mut inputs = "";
     if let Some(run) = run_of(curves, experiment) {
         for (channel, column) in experiment.inputs.iter().zip(&run.table.columns) {
             let rows = run.table.time.iter().zip(column).filter(|(t, _)| curves.time.contains(t));
             let points: Vec<(f64, f64)> = rows.map(|(t, x)| (*t, x - channel.offset)).collect();
             if points.iter().any(|p| p.1 != points[0].1) {
+                inputs = " Below: the inputs that change.";
                 figure = figure.panel(Axis::new(&with_unit(channel.column))).colour(2).line("input", points);
             }
         }
@@ -36,7 +38,7 @@ pub fn compared(curves: &Curves, experiment: &Experiment) -> Plate {
     Plate::new(
         "compared",
         windowed(figure, curves),
-        "Outputs: measured and predicted by the model after the repair. Below: the inputs that change.",
+        format!("Outputs: measured and predicted by the model after the repair.{inputs}"),
     )
 }
 
@@ -201,7 +203,7 @@ pub fn localised(outcome: &Outcome) -> Plate {
 }
 
 /// Parameters as their change from the preset, and the interval of the prior.
-pub fn forest(experiment: &Experiment, outcome: &Outcome) -> Plate {
+pub fn forest(experiment: &Experiment, outcome: &Outcome, declaration: &Declaration) -> Plate {
     let row = |p: &calibrate::outcome::Estimate| {
         let change = |value: f64| 100.0 * (value / p.prior - 1.0);
         let interval = |(a, b): (f64, f64)| {
@@ -218,12 +220,12 @@ pub fn forest(experiment: &Experiment, outcome: &Outcome) -> Plate {
             marks.push((1, Mark::Point(change(refit.value), interval(refit.ci95))));
         }
         marks.push((0, Mark::Point(change(p.value), interval(p.ci95))));
-        Row { name: p.name.clone(), marks }
+        Row { name: format!("{} ({})", meaning(&p.name, declaration), p.name).trim_start().to_owned(), marks }
     };
     let known = outcome.parameters.iter().filter(|p| p.prior != 0.0);
     let figure = Rows::new(
-        "Override of the parameters",
-        "change from the preset in %",
+        "Change of the parameters from the preset",
+        "change in %",
         &["after", "refit", "prior"],
         known.map(row).collect(),
     );

@@ -1,0 +1,56 @@
+//! Error of good instruments: what is smaller is a property of the instruments, or of a motor with more nodes than the model, as much as of
+//! a missing effect, however certain it is.
+//!
+//! Many readings average the noise of a sensor, but not its error: with 2000 rows an error of 0.1 K at a rise of 60 K is beyond doubt.
+
+use crate::CalibrateError;
+use crate::experiment::{Experiment, Role};
+use crate::fit::Fitted;
+use crate::intake::mean_square;
+use crate::setup::{Setup, Shown};
+
+/// Error relative to the readings, of a temperature rise and of any other quantity. Source: resistance thermometer of class B, IEC 60751
+/// (0.5 % of the temperature); instruments of class 0.2, as IEC 60034-2-1 asks for in tests of motors.
+pub const CLASS: (f64, f64) = (5e-3, 2e-3);
+
+/// The errors in words.
+pub fn words() -> String {
+    let [rise, other] = [CLASS.0, CLASS.1].map(|share| 100.0 * share);
+    format!("the error of good instruments ({rise} % of a temperature rise, {other} % of other quantities)")
+}
+
+/// Error of an output over runs, SI units.
+pub fn error(experiment: &Experiment, runs: &[usize], output: usize) -> f64 {
+    let (square, _) = mean_square(experiment, runs, output);
+    if experiment.outputs[output].is_temperature() {
+        CLASS.0 * square.sqrt()
+    } else {
+        CLASS.1 * square.sqrt()
+    }
+}
+
+/// What one prediction accounts for beyond another, root mean square, relative to the error of instruments; of the output where this is most.
+pub fn accounts_for(setup: &Setup, runs: &[usize], [with, without]: [&[Shown]; 2]) -> f64 {
+    let pairs = setup.squares(runs, with).into_iter().zip(setup.squares(runs, without));
+    greatest(setup, runs, pairs.map(|((with, count), (without, _))| (without - with) / count as f64))
+}
+
+/// Whether what a fit without effects leaves of the fit runs and of the validation runs, beyond the noise, is within the error of instruments.
+///
+/// # Errors
+/// The message of the model if it cannot be run.
+pub fn explain_rest(setup: &Setup, refit: &Fitted) -> Result<bool, CalibrateError> {
+    let left = |role: Role| -> Result<f64, CalibrateError> {
+        let runs = setup.runs(role);
+        let squares = setup.squares(&runs, &setup.show(&refit.hypothesis, &runs)?).into_iter().enumerate();
+        let squares = squares.map(|(k, (square, count))| square / count as f64 - setup.sigma(k).powi(2));
+        Ok(greatest(setup, &runs, squares))
+    };
+    Ok(left(Role::Fit)?.max(left(Role::Validate)?) < 1.0)
+}
+
+fn greatest(setup: &Setup, runs: &[usize], squares: impl Iterator<Item = f64>) -> f64 {
+    let ratios =
+        squares.enumerate().map(|(k, square)| square.max(0.0).sqrt() / error(setup.experiment, runs, k));
+    ratios.filter(|ratio| ratio.is_finite()).fold(0.0, f64::max)
+}
