@@ -52,7 +52,7 @@ def test_a_sweep_walks(motor_fmu, tmp_path):
     assert found["objective_unit"] == "N.m" and len(found["points"]) == 4
     torque = {tuple(p["values"]): p["objective"] for p in found["points"]}
     assert torque[200.0, 1.0] > 1.2 * torque[200.0, 0.0] and torque[300.0, 0.0] > torque[200.0, 0.0]
-    assert {edge["name"]: edge["end"] for edge in found["best_at_edge"]} == {"transmission.ratio": "upper", "fan_command": "upper"}
+    assert {edge["name"]: edge["end"] for edge in found["best_at_edge"]} == {"transmission.ratio": "upper"}, "1 is the limit of fan_command"
     assert found["infeasible"] == 0 and "adults" in found["source"]
     assert len(table.read_text().splitlines()) == 5
 
@@ -63,10 +63,12 @@ def test_a_sweep_walks(motor_fmu, tmp_path):
         ("[gait]\n\"gait.activity\" = \"fly\"\n", (), ("gait.toml:2", "fly", "stairs_up")),
         ("[leg]\n", (), ("gait.toml:1", "leg", "[actuator]")),
         ("[gait\n", (), ("gait.toml:1",)),
-        ("", ("--set", "gait.body_mas=80"), ("gait.body_mas",)),
-        ("", ("--set", "gait.body_mass=-1"), ("gait.body_mass = -1 kg", "500")),
-        ("", ("--set", "drive_mode=power"), ("drive_mode", "voltage or current")),
-        ("", ("--hours", "0"), ("hours",)),
+        ("# nothing\n", (), ("gait.toml", "is empty", "[cycle]")),
+        ("[gait]\n", ("--set", "gait.body_mas=80"), ("gait.body_mas",)),
+        ("[gait]\n", ("--set", "gait.body_mass=-1"), ("gait.body_mass = -1 kg", "500")),
+        ("[gait]\n", ("--set", "cycle.scale=2"), ("cycle.scale", "no [cycle]")),
+        ("[gait]\n", ("--set", "drive_mode=power"), ("drive_mode", "voltage or current")),
+        ("[gait]\n", ("--hours", "0"), ("hours",)),
         ("", ("--model", "BrushedGearmotor"), ("BrushedGearmotor",)),
         (None, (), ("gait.toml", "cannot be read")),
     ],

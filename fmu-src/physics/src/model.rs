@@ -4,7 +4,7 @@ use crate::exchange::Exchange;
 pub use crate::fault::Fault;
 use crate::load_table::LoadTable;
 use crate::terms::{Drivers, GenericTerm};
-use declare::{Causality, Elements, Kind, State, Variability, Variable};
+use declare::{Causality, Elements, Kind, State, Unit, Variability, Variable};
 use std::fmt;
 use std::sync::OnceLock;
 
@@ -319,15 +319,23 @@ impl Entry {
             "1" => String::new(),
             unit => format!(" {unit}"),
         };
+        let (low, high) = (self.row.min, self.row.max);
+        let celsius = match self.row.unit {
+            Unit::Kelvin if !self.row.relative && (low..=high).contains(&(value + 273.15)) => {
+                format!("; {value} degC is within them")
+            }
+            _ => String::new(),
+        };
+        // Not hundreds of digits.
+        let value = if value.abs() < 1e15 { value.to_string() } else { format!("{value:e}") };
         match refusal {
             Refusal::NotFinite => format!(
                 "{name} = {value} is not a finite number; it must lie in {} ... {}{unit}.",
                 self.row.min, self.row.max
             ),
-            Refusal::OutOfRange => format!(
-                "{name} = {value}{unit} is outside its limits {} ... {}{unit}.",
-                self.row.min, self.row.max
-            ),
+            Refusal::OutOfRange => {
+                format!("{name} = {value}{unit} is outside its limits {low} ... {high}{unit}{celsius}.")
+            }
             Refusal::NotWhole => format!(
                 "{name} = {value} is not a whole number; it must lie in {} ... {}.",
                 self.row.min, self.row.max

@@ -166,7 +166,8 @@ fn chosen(names: &[String]) -> Result<Vec<&'static ModelType>, Failure> {
     let find = |name: &String| {
         models::by_name(name).ok_or_else(|| {
             let known: Vec<&str> = models::ALL.iter().map(|m| (m.declaration)().name).collect();
-            Failure::new(format!("unknown model {name}; models: {}", known.join(", ")))
+            let hint = describe::preset::nearest(name, known.iter().copied());
+            Failure::new(format!("unknown model {name}; models: {}{hint}", known.join(", ")))
         })
     };
     names.iter().map(find).collect()

@@ -20,7 +20,7 @@ use calibrate::close_loop::{self, Extent, Options};
 use calibrate::deadline::Deadline;
 use calibrate::experiment::Experiment;
 use calibrate::intake::{self, Refusal, Unusable};
-use calibrate::outcome::Outcome;
+use calibrate::outcome::{Outcome, Verdict};
 use calibrate::report::{Provenance, Replay, Report};
 use describe::{Preset, models};
 use std::panic::resume_unwind;
@@ -86,7 +86,7 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     let mut experiment = Experiment::read(&args.experiment)?;
     let preset = preset(&experiment, &args.experiment)?;
     let made_of = provenance::of(&args.experiment, &experiment)?;
-    may_write(args, &experiment)?;
+    may_write(args, &experiment, fit_only)?;
     // Before minutes of work: a folder that cannot be written to is bad input too.
     crate::make_folder(&args.out)?;
     let bar = Progress::new("checking the data");
@@ -155,21 +155,28 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     Ok(crate::outcome(replay.agrees && findings.is_empty() && outcome.endings.is_empty()))
 }
 
-/// Refuses files of a folder that are no earlier results of the same experiment.
-fn may_write(args: &Files, experiment: &Experiment) -> Result<(), Failure> {
+/// Refuses files of a folder that are no earlier results of the same command and experiment.
+fn may_write(args: &Files, experiment: &Experiment, fit_only: bool) -> Result<(), Failure> {
     let Experiment { name, model, .. } = experiment;
-    let what = format!("an earlier result of the experiment {name}");
+    let command = if fit_only { "fit" } else { "close-loop" };
+    let what = format!("an earlier result of {command} for the experiment {name}");
     let (force, at) = (args.force, |file: &str| args.out.join(file));
+    let fitted = Verdict::Fitted.name();
     force.check(&at("report.json"), &what, |path| {
         let text = std::fs::read_to_string(path).unwrap_or_default();
         let report: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+        let verdict = report["verdict"].as_str();
         report["name"].as_str() == Some(name)
+            && (verdict == Some("unusable") || (verdict == Some(fitted)) == fit_only)
     })?;
     force.check_titled(&at("report.html"), &what, |title| *title == page::title(name))?;
     force.check(&at("preset.toml"), &what, |path| {
         let text = String::from_utf8_lossy(&head(path)).into_owned();
         let first = text.lines().next().unwrap_or_default();
-        first.starts_with(export::HEADER) && first.contains(&format!(" the experiment {name}, "))
+        let is_fitted = text.contains(&format!("; verdict: {fitted}\""));
+        first.starts_with(export::HEADER)
+            && first.contains(&format!(" the experiment {name}, "))
+            && is_fitted == fit_only
     })?;
     force.check(&at("effects.json"), &what, |path| TermsFile::load(path).is_ok())?;
     force.check(&at("residuals.csv"), &what, |path| {

@@ -37,14 +37,6 @@ impl Force {
         Err(Failure::new(format!("{} exists and is not {what}; --force overwrites it", path.display())))
     }
 
-    /// As [`check`](Force::check), for what no command can distinguish from a file of the user.
-    pub fn check_any(self, path: &Path) -> Result<(), Failure> {
-        if self.force || !path.is_file() {
-            return Ok(());
-        }
-        Err(Failure::new(format!("{} exists; --force overwrites it", path.display())))
-    }
-
     /// A table of a run: the time and columns that `is_column` knows by their names without unit.
     pub fn check_table(
         self,
@@ -126,6 +118,17 @@ pub fn check_place(path: &Path) -> Result<(), Failure> {
         )),
         None => Ok(()),
     }
+}
+
+/// As [`check_place`], for a command whose standard output has a summary that the file would mix with.
+pub fn check_file(path: &Path) -> Result<(), Failure> {
+    if is_stdout(path) {
+        return Err(Failure::new(format!(
+            "--output {} is the standard output, to which the summary goes: name a file",
+            path.display()
+        )));
+    }
+    check_place(path)
 }
 
 /// The beginning of a file.

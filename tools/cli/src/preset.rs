@@ -1,11 +1,11 @@
 //! `motor-fmu preset new`: a preset from a datasheet.
 
-use crate::existing::{Force, check_place};
+use crate::existing::{Force, check_file, head};
 use crate::parent::complain;
 use crate::{Failure, say, say_json};
 use ::study::datasheet::{
     Certainty, Contradiction, Datasheet, Draft, Given, Implausible, QUANTITIES, Quantity, Value,
-    contradictions, implausible,
+    contradictions, implausible, is_comparable,
 };
 use ::study::reproduce::significant;
 use clap::{Arg, ArgMatches, Command, FromArgMatches};
@@ -120,7 +120,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         Failure::new(lines.join("\n"))
     })?;
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", sheet.name)));
-    check_place(&path)?;
+    check_file(&path)?;
     let same =
         |from: &PathBuf| from.canonicalize().is_ok_and(|from| path.canonicalize().is_ok_and(|to| to == from));
     if args.from.as_ref().is_some_and(same) {
@@ -129,7 +129,9 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
             path.display()
         )));
     }
-    args.force.check_any(&path)?;
+    let what = format!("a preset {} that this command wrote", sheet.name);
+    args.force
+        .check(&path, &what, |path| Draft::is_earlier(&sheet.name, &String::from_utf8_lossy(&head(path))))?;
     crate::write(&path, &draft.toml())?;
     let consistent = contradictions.is_empty() && implausible.is_empty();
     if args.json {
@@ -145,7 +147,8 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         say(&summary(&draft));
         let lines = findings(&contradictions, &implausible);
         say(&match lines.is_empty() {
-            true => "consistency: the printed values agree\n".to_owned(),
+            true if is_comparable(&sheet) => "consistency: the printed values agree\n".to_owned(),
+            true => "consistency: not checked, no printed value follows from the others\n".to_owned(),
             false => format!("consistency: the printed values do not agree\n  {}\n", lines.join("\n  ")),
         });
     }
@@ -210,7 +213,11 @@ fn summary(draft: &Draft) -> String {
     }
     text += "default, not from this motor\n";
     text += &draft.defaults().map(line).collect::<String>();
-    text + "  effects that are not named here are off\n"
+    text += "  effects that are not named here are off\n";
+    if !draft.not_used.is_empty() {
+        text += &format!("not used: {}\n", draft.not_used.join(", "));
+    }
+    text
 }
 
 /// A sentence for each contradiction and each value that no motor has.

@@ -3,17 +3,19 @@
 mod walk;
 
 use crate::drawing;
-use crate::existing::{Force, check_apart, check_place, header};
+use crate::existing::{Force, check_apart, check_file, header};
 use crate::progress::Progress;
 use crate::{Failure, write};
 use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
 use ::study::sweep::{
-    Case, ConstantInputs, Constraint, Goal, PRESET, Point, Sweep, Vary, Walking, check_figure, edges, sweep,
+    Case, ConstantInputs, Constraint, Goal, PRESET, Point, Sweep, Vary, Walking, check_figure, count, edges,
+    sweep,
 };
 use ::study::walk::Load;
 use serde_json::json;
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -40,7 +42,7 @@ pub struct LoadArgs {
     #[arg(long, value_name = "load.toml")]
     pub load: Option<PathBuf>,
     /// Longest duration of the walk in hours, with --load
-    #[arg(long, value_name = "H", default_value_t = 2.0)]
+    #[arg(long, value_name = "H", default_value_t = 2.0, requires = "load")]
     pub hours: f64,
 }
 
@@ -109,7 +111,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
         }
         found => found?,
     };
-    let notes = setup.notes(&[])?;
+    let notes = setup.notes()?;
     crate::remark(&notes);
     if args.json {
         let outputs: serde_json::Map<_, _> =
@@ -126,14 +128,14 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let mut text = format!("{} in steady state\n", args.start.model);
-    for unit in ["K", "W"] {
+    for unit in ["rad/s", "N.m", "A", "V", "K", "W"] {
         for v in found.of_unit(unit) {
-            let celsius = if unit == "K" && !v.name.ends_with("margin") {
-                format!("  ({:.2} degC)", v.value - 273.15)
-            } else {
-                String::new()
+            let also = match unit {
+                "rad/s" => format!("  ({} rpm)", rounded(v.value * 30.0 / PI)),
+                "K" if !v.name.ends_with("margin") => format!("  ({:.2} degC)", v.value - 273.15),
+                _ => String::new(),
             };
-            text += &format!("  {:30} {:>12} {unit}{celsius}\n", v.name, rounded(v.value));
+            text += &format!("  {:30} {:>12} {unit}{also}\n", v.name, rounded(v.value));
         }
     }
     if let Some(r_ha) = found.r_ha {
@@ -141,8 +143,9 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     }
     text += &match continuous {
         Ok(c) => format!(
-            "continuous torque {} N.m at {} A, {} N.m/kg, with the winding at {:.2} K ({:.2} degC)\n",
+            "continuous torque {} N.m at {} rad/s and {} A, {} N.m/kg, with the winding at {:.2} K ({:.2} degC)\n",
             significant(c.torque),
+            significant(c.speed),
             significant(c.current),
             significant(c.torque_density),
             c.winding_temperature,
@@ -173,7 +176,7 @@ pub struct SweepArgs {
     /// cooling_mode=bare,annulus_push or gait.activity=walk,stairs_up; preset=NAME,FILE,... varies the motor. May be repeated
     #[arg(long = "vary", required = true, value_name = "NAME=FROM:TO:N|V,V,...")]
     vary: Vec<String>,
-    /// continuous_torque, torque_density (both at the winding's limit), or an output in steady state; with --load
+    /// continuous_torque, torque_density (both at the winding's limit and the speed of the point), or an output in steady state; with --load
     /// continuous_torque and torque_density at the joint, continuous_support, winding_temperature, supply_power,
     /// torque_error or time_to_limit. Temperatures, losses, powers and errors are minimized, the others maximized. May be repeated
     #[arg(long = "objective", value_name = "NAME", default_value = "continuous_torque")]
@@ -197,19 +200,12 @@ pub struct SweepArgs {
 pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let vary = args.vary.iter().map(|text| Vary::parse(text)).collect::<Result<Vec<_>, _>>()?;
     may_write(args, &vary)?;
-    let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);
+    let points = count(&vary);
     let bar = Progress::new(&format!("{points} points"));
     let done = |n: usize| bar.at(n as f64 / points as f64);
-    let (case, notes): (Box<dyn Case>, Vec<String>) = match &args.load.load {
-        Some(file) => {
-            (Box::new(Walking { load: args.start.load(file)?, hours: args.load.hours }), Vec::new())
-        }
-        None => {
-            let setup = args.start.setup()?;
-            let varied = vary.iter().map(|v| v.name.as_str()).filter(|name| *name != PRESET);
-            let notes = setup.notes(&varied.collect::<Vec<_>>())?;
-            (Box::new(ConstantInputs { setup }), notes)
-        }
+    let case: Box<dyn Case> = match &args.load.load {
+        Some(file) => Box::new(Walking { load: args.start.load(file)?, hours: args.load.hours }),
+        None => Box::new(ConstantInputs { setup: args.start.setup()? }),
     };
     let constraints =
         args.constraints.iter().map(|text| Constraint::parse(text)).collect::<Result<_, _>>()?;
@@ -217,6 +213,7 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let found = sweep(case.as_ref(), &vary, &goal, done);
     bar.finish();
     let found = found?;
+    let notes = [replaced(args, &vary), case.notes(&vary)?].concat();
     crate::remark(&notes);
     if let Some(path) = &args.output {
         write(path, &found.csv())?;
@@ -230,9 +227,19 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         result["notes"] = json!(notes);
         crate::say_json(&result)?;
     } else {
-        crate::say(&summary(&found, &vary));
+        crate::say(&summary(&found, &vary, case.as_ref()));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What --vary replaces.
+fn replaced(args: &SweepArgs, vary: &[Vary]) -> Vec<String> {
+    let is_varied = |name: &str| vary.iter().any(|v| v.name == name);
+    let sets = args.start.sets.iter().filter(|(name, _)| is_varied(name));
+    let preset = args.start.preset.as_ref().filter(|_| is_varied(PRESET));
+    let replaced = sets.map(|(name, text)| format!("--set {name}={text}"));
+    let replaced = replaced.chain(preset.map(|name| format!("--preset {name}")));
+    replaced.map(|what| format!("{what} has no effect: --vary gives other values")).collect()
 }
 
 /// Refuses files that are no earlier results of a sweep over the same variables.
@@ -241,7 +248,7 @@ fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
     let names = varied.join(", ");
     check_apart(args.output.as_deref(), args.plot.as_deref(), false)?;
     if let Some(path) = &args.output {
-        check_place(path)?;
+        check_file(path)?;
         args.force.check(path, &format!("a table of a sweep over {names}"), |path| {
             let columns = header(path);
             columns.len() > varied.len() && columns.iter().zip(&varied).all(|(column, name)| column == name)
@@ -254,7 +261,7 @@ fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
     drawing::check(args.plot.as_deref(), args.force, "a figure of a sweep", is_title)
 }
 
-fn summary(found: &Sweep, vary: &[Vary]) -> String {
+fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     let mut text = format!("{} points\n", found.points.len());
     if let Some(source) = &found.source {
         text += &format!("load: {source}\n");
@@ -290,7 +297,7 @@ fn summary(found: &Sweep, vary: &[Vary]) -> String {
         );
     }
     if found.objectives.len() > 1 {
-        text += &pareto(found, vary);
+        text += &pareto(found, vary, case);
     }
     text
 }
@@ -326,7 +333,7 @@ fn infeasible(found: &Sweep, listed: usize) -> String {
 }
 
 /// The Pareto set as a table, best first in the first objective. A star marks a value at an end of its range.
-fn pareto(found: &Sweep, vary: &[Vary]) -> String {
+fn pareto(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     let mut points: Vec<&Point> = found.points.iter().filter(|p| p.pareto).collect();
     points.sort_by(|a, b| a.objectives[0].total_cmp(&b.objectives[0]));
     if !found.objectives[0].least_is_best {
@@ -337,7 +344,7 @@ fn pareto(found: &Sweep, vary: &[Vary]) -> String {
     let mut rows: Vec<Vec<String>> =
         vec![heads.chain(found.objectives.iter().map(|o| format!("{}{}", o.name, unit(o.unit)))).collect()];
     for point in &points {
-        let ends = edges(vary, &point.values);
+        let ends = edges(case, vary, &point.values);
         let at_end = |k: usize| ends.iter().any(|e| e.name == found.varied[k]);
         let values = point
             .values

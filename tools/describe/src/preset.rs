@@ -217,6 +217,17 @@ mod tests {
     }
 
     #[test]
+    fn a_name_with_a_dot_needs_quotation_marks() {
+        for text in ["motor.R_ref = 3", "effect.coulomb_friction.tau_c = 1e-3"] {
+            let error = refusal(text);
+            assert!(error.contains("x.toml:5: names with a dot need quotation marks: \""), "{error}");
+        }
+        assert!(refusal("\"motor.R_reff\" = 3").contains("did you mean motor.R_ref?"));
+        assert!(refusal("ambient_temperature = 25").contains("473.15 K; 25 degC is within them"));
+        assert!(refusal("\"motor.k_t\" = 1e297").contains("motor.k_t = 1e297 N.m/A"));
+    }
+
+    #[test]
     fn a_preset_may_have_a_default_experiment() {
         let of = |experiment: &str| {
             let text =

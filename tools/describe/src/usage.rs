@@ -40,8 +40,9 @@ pub struct Mode {
     pub effective: Vec<&'static str>,
 }
 
-/// Sizes of the inputs at the operating points, relative to their nominal values.
-const SCALES: [f64; 3] = [1.0, 1e-3, 1.0];
+/// Sizes of the inputs at the operating points, relative to their nominal values; with 0 the commands alone (unit 1) are 0, where some
+/// parameters act, such as the bridge at duty 0.
+const SCALES: [f64; 4] = [1.0, 1e-3, 1.0, 0.0];
 /// Differences below this are rounding, relative to the value and to its nominal.
 const ROUNDING: f64 = 1e-9;
 /// Ratios of derivatives that agree within this are equal.
@@ -60,6 +61,13 @@ pub fn unused(model: &dyn Model, candidates: &[&'static Entry], scope: Scope) ->
             Unused { entry, mode: reason(entry, modes) }
         })
         .collect()
+}
+
+/// The variables among `candidates` that have an effect at the inputs that are set on the model, which has not started.
+pub fn effective(model: &dyn Model, candidates: &[&'static Entry], scope: Scope) -> Vec<&'static Entry> {
+    let point = |turn| Some((model.boxed_clone(), read(model, turn, scope)?));
+    let points = Points { scope, at: (0..2).filter_map(point).collect() };
+    candidates.iter().copied().filter(|entry| points.moved_by(entry)).collect()
 }
 
 /// A model with these start values and resources, which has not started.
@@ -159,7 +167,12 @@ impl Points {
             let (mut model, mut probe) = (model.boxed_clone(), Probe::new(0, turn));
             model.enter_model_exchange();
             for entry in &inputs {
-                let share = if entry.row.start == 0.0 { *scale } else { 1.0 };
+                let share = match (*scale, entry.row.start, entry.row.unit) {
+                    (0.0, _, Unit::One) => 0.0,
+                    (0.0, ..) => 1.0,
+                    (scale, 0.0, _) => scale,
+                    _ => 1.0,
+                };
                 let value = share * probe.generic(entry, &StartValues::default());
                 if entry.check(value, false).is_ok() {
                     model.set(entry.slot, value);
@@ -382,6 +395,24 @@ mod tests {
         };
         assert_eq!(of("maxon-305015"), Vec::<String>::new());
         assert_eq!(of("thesis-rig"), ["fan.turbulence_factor", "fan.decay", "annulus.factor_pull"]);
+    }
+
+    /// The bridge at duty 0: a duty may be 0 at any time.
+    #[test]
+    fn what_acts_at_an_input_of_zero_has_an_effect() {
+        const PWM: (&str, f64) = ("drive_mode", 2.0);
+        let gearmotor = with_starts(
+            models::by_name("BrushedGearmotor").unwrap(),
+            &StartValues::default(),
+            &Resources::default(),
+        );
+        for model in [motor("maxon-305015", &[PWM]), gearmotor] {
+            for scope in [Scope::Transient, Scope::Steady] {
+                assert!(names(model.as_ref(), &["drive.zero_duty"], scope).is_empty());
+            }
+        }
+        let current = motor("maxon-305015", &[CURRENT]);
+        assert_eq!(names(current.as_ref(), &["drive.zero_duty"], Scope::Transient), ["drive.zero_duty"]);
     }
 
     #[test]

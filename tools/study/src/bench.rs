@@ -42,7 +42,8 @@ impl Bench {
     pub fn new(model: &str, preset: Option<&Preset>) -> Result<Bench, StudyError> {
         let kind = models::by_name(model).ok_or_else(|| {
             let known: Vec<&str> = models::ALL.iter().map(|m| (m.declaration)().name).collect();
-            StudyError::new(format!("unknown model {model}; models: {}", known.join(", ")))
+            let hint = describe::preset::nearest(model, known.iter().copied());
+            StudyError::new(format!("unknown model {model}; models: {}{hint}", known.join(", ")))
         })?;
         if let Some(p) = preset.filter(|p| p.model != model) {
             return Err(StudyError::new(format!("preset {} is for {} and not for {model}", p.name, p.model)));
@@ -187,6 +188,11 @@ impl Bench {
     /// Those of `candidates` that have no effect with the values set so far; called before the start.
     pub fn unused(&self, candidates: &[&'static Entry], scope: Scope) -> Vec<Unused> {
         describe::usage::unused(self.model.as_ref(), candidates, scope)
+    }
+
+    /// Those of `candidates` that have an effect on the steady state at the present inputs; called before the start.
+    pub fn effective(&self, candidates: &[&'static Entry]) -> Vec<&'static Entry> {
+        describe::usage::effective(self.model.as_ref(), candidates, Scope::Steady)
     }
 
     /// The declared outputs that are temperatures.
@@ -362,6 +368,10 @@ mod tests {
             (
                 Bench::new("Motor", None).err().unwrap().to_string(),
                 &["unknown model Motor", "AnnulusCooledMotor"],
+            ),
+            (
+                Bench::new("brushedgearmotor", None).err().unwrap().to_string(),
+                &["did you mean BrushedGearmotor?"],
             ),
         ] {
             assert!(words.iter().all(|w| error.contains(w)), "{words:?} in {error}");

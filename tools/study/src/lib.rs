@@ -6,6 +6,7 @@
 pub mod bench;
 pub mod datasheet;
 pub mod fit;
+mod notes;
 pub mod numeric;
 pub mod reproduce;
 pub mod steady;

@@ -6,16 +6,19 @@
 use crate::StudyError;
 use crate::bench::Bench;
 use crate::numeric::try_root;
+use crate::reproduce::significant;
 use describe::Preset;
-use describe::usage::{self, Scope, is_integral};
+use describe::usage::is_integral;
 use physics::declare::{Causality, Kind};
-use physics::model::Entry;
 use serde::Serialize;
 
 /// Smallest heat flow from which a thermal resistance is computed, W.
 const LEAST_HEAT: f64 = 1e-3;
 /// Relative width of the bracket about the continuous current squared at which the search ends.
 const CURRENT_TOLERANCE: f64 = 1e-8;
+/// Items of drive_mode: current; voltage and pwm.
+const CURRENT: i32 = 3;
+const BY_VOLTAGE: [i32; 2] = [1, 2];
 /// Inputs that call for a drive mode: name, item.
 const DRIVES: [(&str, &str); 4] =
     [("electrical_power", "power"), ("current_command", "current"), ("duty", "pwm"), ("voltage", "voltage")];
@@ -66,40 +69,6 @@ impl Setup {
         }
         Ok(bench)
     }
-
-    /// What the user set without effect on the steady state in the selected modes, in one sentence each for the values
-    /// set by name, with the names in `varied`, and for the values of the preset. A value of the preset counts if it has
-    /// an effect in the modes that the preset itself selects.
-    ///
-    /// # Errors
-    /// As [`bench`](Setup::bench).
-    pub fn notes(&self, varied: &[&str]) -> Result<Vec<String>, StudyError> {
-        let bench = self.bench()?;
-        let mut notes = Vec::new();
-        let mut by_name: Vec<&'static Entry> = Vec::new();
-        for name in self.sets.iter().map(|(name, _)| name.as_str()).chain(varied.iter().copied()) {
-            let entry = bench.entry(name)?;
-            if by_name.iter().all(|other| other.name != entry.name) {
-                by_name.push(entry);
-            }
-        }
-        let unused = bench.unused(&by_name, Scope::Steady);
-        notes.extend(usage::sentence(&unused, |entry| {
-            if varied.contains(&entry.name.as_str()) { "--vary" } else { "--set" }.to_owned()
-        }));
-        if let Some(preset) = &self.preset {
-            let own = Bench::new(&self.model, Some(preset))?;
-            let given =
-                preset.starts.entries().into_iter().filter_map(|(r, _)| own.declaration().by_reference(r));
-            let given: Vec<&'static Entry> =
-                given.filter(|e| by_name.iter().all(|other| other.name != e.name)).collect();
-            let without = own.unused(&given, Scope::Steady);
-            let used = given.into_iter().filter(|e| without.iter().all(|u| u.entry.name != e.name));
-            let dropped = bench.unused(&used.collect::<Vec<_>>(), Scope::Steady);
-            notes.extend(usage::sentence(&dropped, |_| format!("preset {}", preset.name)));
-        }
-        Ok(notes)
-    }
 }
 
 /// A value that a model computed.
@@ -139,6 +108,8 @@ impl Steady {
 /// Continuous torque.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Continuous {
+    /// Speed of the shaft, rad/s.
+    pub speed: f64,
     /// Current, A.
     pub current: f64,
     /// Torque at the shaft, N.m.
@@ -154,7 +125,13 @@ pub struct Continuous {
 /// # Errors
 /// No steady state, in one sentence.
 pub fn steady(bench: &mut Bench) -> Result<Steady, StudyError> {
-    bench.steady_state()?;
+    let cold = bench.clone();
+    bench.steady_state().map_err(|error| match error {
+        StudyError::Unsettled(sentence) => StudyError::Unsettled(
+            cause(cold, bench).map_or(sentence.clone(), |cause| format!("{sentence}; {cause}")),
+        ),
+        other => other,
+    })?;
     let mut outputs = Vec::new();
     for entry in &bench.declaration().entries {
         if entry.row.causality == Causality::Output && entry.row.kind == Kind::Real && !is_integral(entry) {
@@ -170,7 +147,33 @@ pub fn steady(bench: &mut Bench) -> Result<Steady, StudyError> {
     Ok(found)
 }
 
-/// The continuous torque of the model at its imposed_speed, eq. (2).
+/// Likely cause of a run without steady state, from its beginning and its end: a blocked shaft, or a current that accelerates it without
+/// limit.
+fn cause(mut cold: Bench, bench: &mut Bench) -> Option<String> {
+    let is_free = cold.get("mechanical_mode").ok()? == 1.0;
+    let (drive, load) = (cold.get("drive_mode").ok()?, cold.get("load_torque").ok()?);
+    cold.start().ok()?;
+    if is_free && drive == f64::from(CURRENT) {
+        let (current, k_t) = (cold.get("current").ok()?, cold.get("torque_constant").ok()?);
+        let speed = bench.get("shaft_speed").ok()?;
+        let accelerates = current * k_t * speed > load * speed;
+        let [torque, current, load, speed] = [current * k_t, current, load, speed].map(significant);
+        return accelerates.then(|| {
+            format!(
+                "the shaft accelerates without limit, at the end with {speed} rad/s: current_command = {current} A gives {torque} N.m and \
+                 load_torque is {load} N.m"
+            )
+        });
+    }
+    let is_blocked = !is_free && cold.get("imposed_speed").ok()? == 0.0;
+    (is_blocked && BY_VOLTAGE.map(f64::from).contains(&drive)).then(|| {
+        "the shaft is at a standstill (imposed_speed = 0), where the resistance alone limits the current; --set load_torque=... leaves the \
+         shaft free"
+            .to_owned()
+    })
+}
+
+/// The continuous torque of the model, eq. (2), at its imposed_speed, or with a free shaft at the speed of the steady state.
 ///
 /// The search runs in the square of the current, to which the temperature is nearly proportional; a current
 /// with thermal runaway is too high.
@@ -185,8 +188,13 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
             "{name} has no continuous torque: it needs drive_mode current and thermal.T_w_max"
         )));
     }
-    bench.set_text("drive_mode", "current")?;
+    let mut operating = bench.clone();
     bench.set_text("mechanical_mode", "imposed_speed")?;
+    if operating.get("mechanical_mode")? != bench.get("mechanical_mode")? {
+        operating.steady_state()?;
+        bench.set("imposed_speed", operating.get("shaft_speed")?)?;
+    }
+    bench.set_text("drive_mode", "current")?;
     let limit = bench.get("thermal.T_w_max")?;
     let greatest = bench.entry("current_command")?.row.max;
     bench.start()?;
@@ -222,6 +230,7 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
         .ok_or_else(|| StudyError::new(format!("{name}: no current brings the winding to {limit} K")))?;
     excess(square)?;
     Ok(Continuous {
+        speed: settled.get("shaft_speed")?,
         current: square.sqrt(),
         torque: settled.get("shaft_torque")?,
         torque_density: settled.get("torque_density")?,
@@ -362,40 +371,6 @@ mod tests {
         }
     }
 
-    /// A resistance of the data sheet that the selected cooling mode drops is named, and one that it uses is not.
-    #[test]
-    fn values_without_effect_are_named() {
-        let notes = |sets: &[(&str, &str)]| setup(sets).notes(&[]).unwrap();
-        let power = ("electrical_power", "10");
-        assert_eq!(notes(&[power]), Vec::<String>::new());
-        let dropped = notes(&[power, ("cooling_mode", "bare")]);
-        assert_eq!(
-            dropped,
-            [
-                "conductance.G_still (preset maxon-305015) has no effect with cooling_mode = bare, only with cooling_mode = conductance"
-            ]
-        );
-        let set = notes(&[
-            power,
-            ("conductance.G_forced", "0.2"),
-            ("cooling_mode", "annulus_push"),
-            ("voltage", "3"),
-        ]);
-        assert_eq!(set.len(), 2, "{set:?}");
-        for words in [
-            "conductance.G_forced (--set) has no effect with cooling_mode = annulus_push",
-            "voltage (--set) has no effect with drive_mode = power, only with drive_mode = voltage or pwm",
-        ] {
-            assert!(set[0].contains(words), "{words} in {set:?}");
-        }
-        assert!(set[1].starts_with("conductance.G_still (preset"), "{set:?}");
-        let varied = setup(&[power]).notes(&["fan.flow_max"]).unwrap();
-        assert!(
-            varied[0].starts_with("fan.flow_max (--vary) has no effect with cooling_mode = conductance"),
-            "{varied:?}"
-        );
-    }
-
     /// Better cooling, more torque; friction at speed, less.
     #[test]
     fn cooling_raises_and_speed_lowers_the_torque() {
@@ -403,6 +378,33 @@ mod tests {
         let still = torque(&[]);
         assert!(torque(&[("fan_command", "1")]) > 1.3 * still);
         assert!(torque(&[("imposed_speed", "500")]) < 0.95 * still);
+    }
+
+    /// With a free shaft the speed is that of the operating point.
+    #[test]
+    fn the_continuous_torque_belongs_to_the_speed_of_the_operating_point() {
+        let load = [("voltage", "24"), ("load_torque", "0.05")];
+        let speed = steady(&mut setup(&load).bench().unwrap()).unwrap().get("shaft_speed").unwrap();
+        let at = |sets: &[(&str, &str)]| continuous_torque(&setup(sets).bench().unwrap()).unwrap();
+        let (free, imposed) = (at(&load), at(&[("imposed_speed", &speed.to_string())]));
+        assert!(free.speed == imposed.speed && speed > 500.0, "{free:?} {speed}");
+        assert!((free.torque / imposed.torque - 1.0).abs() < 1e-6, "{free:?} {imposed:?}");
+    }
+
+    #[test]
+    fn the_likely_cause_of_a_run_without_steady_state_is_named() {
+        for (sets, words) in [
+            (&[("voltage", "24")][..], "the shaft is at a standstill (imposed_speed = 0)"),
+            (
+                &[("current_command", "3"), ("load_torque", "0.05")],
+                "current_command = 3.000 A gives 0.08280 N.m and load_torque is 0.05000 N.m",
+            ),
+        ] {
+            let error = steady(&mut setup(sets).bench().unwrap()).unwrap_err().to_string();
+            assert!(error.contains(words) && !error.contains('\n'), "{error}");
+        }
+        let hot = steady(&mut setup(&[("current_command", "12")]).bench().unwrap()).unwrap_err().to_string();
+        assert!(!hot.contains("shaft"), "{hot}");
     }
 
     #[test]

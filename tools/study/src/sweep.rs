@@ -2,12 +2,15 @@
 //! that no other is better than in every objective (Pareto set).
 
 mod case;
+mod edges;
 mod figure;
 mod vary;
 
 use crate::StudyError;
 use crate::walk::Known;
 pub use case::{Case, ConstantInputs, Target, Walking};
+use edges::open_edges;
+pub use edges::{Edge, edges};
 pub use figure::check_figure;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -60,7 +63,12 @@ impl Constraint {
         let (number, given) = units::split(&self.text)
             .ok_or_else(|| wrong(format!("{} is not a number in {unit}", self.text)))?;
         self.limit = match given {
-            "" => number,
+            "" => {
+                if unit != "1" {
+                    self.text += &format!(" {unit}");
+                }
+                number
+            }
             given => units::conversion(given, unit, false).map_err(|e| wrong(e.to_string()))?.of(number),
         };
         Ok(self)
@@ -107,17 +115,6 @@ pub struct Point {
     pub failure: Option<String>,
 }
 
-/// A variable whose best value is the first or the last of its range: the optimum may lie outside.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Edge {
-    /// The variable.
-    pub name: String,
-    /// Its value at the best point.
-    pub value: f64,
-    /// Whether that is the lower or the upper end of the range.
-    pub end: &'static str,
-}
-
 /// A finished sweep.
 #[derive(Clone, Debug, Serialize)]
 pub struct Sweep {
@@ -155,18 +152,22 @@ pub fn sweep(
     goal: &Goal,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Sweep, StudyError> {
-    let objectives = goal.objectives.iter().map(|name| case.target(name)).collect::<Result<Vec<_>, _>>()?;
+    let target = |option: &str, name: &str| {
+        case.target(name).map_err(|e| StudyError::new(format!("--{option} {name}: {e}")))
+    };
+    let objectives =
+        goal.objectives.iter().map(|name| target("objective", name)).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = objectives.first().cloned() else {
         return Err(StudyError::new("a sweep has an objective"));
     };
     let mut targets = objectives.clone();
     let mut constraints = Vec::new();
     for constraint in &goal.constraints {
-        let target = case.target(&constraint.name)?;
+        let target = target("constraint", &constraint.name)?;
         constraints.push(constraint.clone().resolved(target.unit)?);
         targets.push(target);
     }
-    let count = vary.iter().map(|v| v.values.len()).fold(1usize, usize::saturating_mul);
+    let count = count(vary);
     if vary.is_empty() || count > MAX_POINTS {
         return Err(StudyError::new(format!("--vary makes {count} points; 1 ... {MAX_POINTS} are possible")));
     }
@@ -208,7 +209,7 @@ pub fn sweep(
         objective_unit: first.unit,
         objectives,
         constraints,
-        best_at_edge: best.as_ref().map_or(Vec::new(), |point| edges(vary, &point.values)),
+        best_at_edge: best.as_ref().map_or(Vec::new(), |point| open_edges(case, vary, point, &points)),
         infeasible: points.iter().filter(|p| p.objective.is_none()).count(),
         source: case.source()?,
         points,
@@ -254,23 +255,6 @@ fn mark_pareto(points: &mut [Point], objectives: &[Target]) {
     }
 }
 
-/// The variables that are at an end of their range.
-pub fn edges(vary: &[Vary], at: &[Choice]) -> Vec<Edge> {
-    let edge = |(v, value): (&Vary, &Choice)| {
-        let (numbers, value) = (v.numbers()?, value.number()?);
-        let (least, most) =
-            numbers.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), x| (l.min(*x), m.max(*x)));
-        let end = match value {
-            _ if least == most => return None,
-            value if value == least => "lower",
-            value if value == most => "upper",
-            _ => return None,
-        };
-        Some(Edge { name: v.name.clone(), value, end })
-    };
-    vary.iter().zip(at).filter_map(edge).collect()
-}
-
 /// Every word and both ends of every range are valid values, checked before anything runs.
 fn check(case: &dyn Case, vary: &[Vary]) -> Result<(), StudyError> {
     for (k, v) in vary.iter().enumerate() {
@@ -284,6 +268,11 @@ fn check(case: &dyn Case, vary: &[Vary]) -> Result<(), StudyError> {
         }
     }
     Ok(())
+}
+
+/// Number of points.
+pub fn count(vary: &[Vary]) -> usize {
+    vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul)
 }
 
 /// The values of point `k`; the last variable runs fastest.
@@ -339,8 +328,11 @@ mod tests {
         }
         assert_eq!(found.best.as_ref().unwrap().values, numbers(&[290.0, 1.0]));
         let edge = |name: &str, value, end| Edge { name: name.into(), value, end };
-        let edges = [edge("ambient_temperature", 290.0, "lower"), edge("fan_command", 1.0, "upper")];
-        assert_eq!(found.best_at_edge, edges);
+        // A command of 1 is its limit: nothing lies behind.
+        assert_eq!(found.best_at_edge, [edge("ambient_temperature", 290.0, "lower")]);
+        // All points are equally good.
+        let flat = run(&case, "power_electrical", &vary(&["ambient_temperature=290:300:2"])).unwrap();
+        assert!(flat.best_at_edge.is_empty(), "{flat:?}");
         assert_eq!(found.csv().lines().count(), 7);
         let figure = found.figure().unwrap().svg();
         assert!(figure.contains("fan command") && !figure.contains("fan_command"));
@@ -382,7 +374,22 @@ mod tests {
                 .contains("fan_command = 2 is outside its limits 0 ... 1")
         );
         assert!(refused(&["fan_comand=0:1:3"], "current").contains("did you mean fan_command?"));
-        assert!(refused(&["fan_command=0:1:3"], "fan_command").contains("no output"));
+        assert!(
+            refused(&["fan_command=0:1:3"], "fan_command")
+                .contains("--objective fan_command: it is no output")
+        );
+        assert!(
+            refused(&["fan_command=0:1:3"], "Continuous_torque").contains("did you mean continuous_torque?")
+        );
+        assert!(refused(&["fan_command=0:1:3"], "continuous_support").contains("only with --load"));
+        assert!(!refused(&["fan_command=0:1:3"], "").contains("did you mean"));
+        let goal = Goal {
+            objectives: vec!["current".into()],
+            constraints: vec![Constraint::parse("fan_command<=0.5").unwrap()],
+        };
+        let error =
+            sweep(&constant(&[]), &vary(&["fan_command=0:1:3"]), &goal, |_| {}).unwrap_err().to_string();
+        assert!(error.starts_with("--constraint fan_command: it is no output"), "{error}");
         assert!(refused(&["cooling_mode=bare,steam"], "current").contains("steam"));
         assert!(refused(&["fan_command=0:1:2", "fan_command=0:1:2"], "current").contains("twice"));
         assert!(refused(&[], "current").contains("--vary"));

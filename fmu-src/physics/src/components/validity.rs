@@ -134,25 +134,38 @@ impl Limits {
         let (excess, what, value, limit, name) = if hot[0].0 >= hot[1].0 { hot[0] } else { hot[1] };
         if v.lowest_temperature - at.lowest >= excess.max(at.magnets - self.no_torque) {
             return format!(
-                "The simulation ends at {time:.6} s: the lowest temperature of winding and magnets, {:.1} K, reaches its limit of \
+                "The simulation ends at {time:.6} s: the lowest temperature of winding and magnets, {:.1} K, {} its limit of \
                  validity, validity.lowest_temperature = {} K; heat is taken out by an input.",
-                at.lowest, v.lowest_temperature
+                at.lowest,
+                verb(v.lowest_temperature - at.lowest),
+                v.lowest_temperature
             );
         }
         if at.magnets - self.no_torque >= excess {
             return format!(
-                "The simulation ends at {time:.6} s: the temperature of the magnets, {:.1} K ({:.1} degC), reaches {:.1} K, where the \
+                "The simulation ends at {time:.6} s: the temperature of the magnets, {:.1} K ({:.1} degC), {} {:.1} K, where the \
                  torque constant falls to 0 by motor.alpha_mag; {heating}.",
                 at.magnets,
                 celsius(at.magnets),
+                verb(at.magnets - self.no_torque),
                 self.no_torque
             );
         }
         format!(
-            "The simulation ends at {time:.6} s: the {what}, {value:.1} K ({:.1} degC), reaches its limit of validity, {name} = \
+            "The simulation ends at {time:.6} s: the {what}, {value:.1} K ({:.1} degC), {} its limit of validity, {name} = \
              {limit} K; {heating}.",
-            celsius(value)
+            celsius(value),
+            verb(value - limit)
         )
+    }
+}
+
+/// What a temperature does at a limit that it exceeds by so many kelvin. A step that would pass the limit may end before it.
+fn verb(excess: f64) -> &'static str {
+    match excess {
+        e if e > 0.1 => "exceeds",
+        e if e < -0.1 => "would pass within the next step",
+        _ => "reaches",
     }
 }
 
@@ -187,5 +200,17 @@ mod tests {
         let sentence = limits.sentence(&at(548.15), 1.0, [2.0, 1.0]);
         assert!(sentence.contains("torque constant falls to 0"), "{sentence}");
         assert!(!Limits::new(Validity::default(), 298.15, 0.0).are_passed(&at(580.0)));
+    }
+
+    /// A value below a limit has not reached it, one above exceeds it.
+    #[test]
+    fn the_verb_follows_from_the_value() {
+        let limits = Limits::new(Validity::default(), 298.15, -0.0012);
+        for (winding, verb) in
+            [(540.0, "would pass within the next step"), (543.15, "reaches"), (748.9, "exceeds")]
+        {
+            let sentence = limits.sentence(&Extremes { winding, ..MILD }, 1.0, [1.0, 1.0]);
+            assert!(sentence.contains(&format!("degC), {verb} its limit")), "{sentence}");
+        }
     }
 }

@@ -48,7 +48,7 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
         drawing::write(path, &figure(&walked, &load.source()?).svg())?;
     }
     let (source, derived) = (load.source()?, load.derived()?);
-    let notes = load.speed_notes()?;
+    let notes = load.notes()?;
     crate::remark(&notes);
     if args.json {
         let result = json!({

@@ -73,7 +73,7 @@ impl StartValues {
         let mut starts = StartValues::default();
         for (key, value) in table {
             let Some(entry) = declaration.by_name(key.get_ref()) else {
-                source.error(key.span().start, unknown(declaration, key.get_ref()));
+                source.error(key.span().start, with_dot(declaration, key.get_ref(), value.get_ref()));
                 continue;
             };
             match number(entry, value) {
@@ -100,6 +100,17 @@ impl StartValues {
     /// Value references and values, ascending.
     pub fn entries(&self) -> Vec<(u32, f64)> {
         self.0.iter().map(|(k, v)| (*k, *v)).collect()
+    }
+}
+
+/// One sentence about an unknown name. In TOML a name with a dot and without quotation marks is a table.
+fn with_dot(declaration: &Declaration, name: &str, value: &DeValue<'_>) -> String {
+    let DeValue::Table(table) = value else { return unknown(declaration, name) };
+    let mut whole = table.keys().map(|key| format!("{name}.{}", key.get_ref()));
+    let starts = |whole: &String| declaration.entries.iter().any(|e| e.name.starts_with(whole.as_str()));
+    match whole.find(starts) {
+        Some(whole) => format!("names with a dot need quotation marks: \"{whole}\" = ..."),
+        None => unknown(declaration, name),
     }
 }
 

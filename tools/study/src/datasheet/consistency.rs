@@ -177,12 +177,11 @@ fn contradicted(terms: &[&Term], rise: f64) -> Vec<(usize, f64, f64)> {
     found
 }
 
-/// The contradictions of a datasheet. Each inner list has the values of which one is wrong: removing any of them resolves the
-/// contradiction.
-pub fn contradictions(sheet: &Datasheet) -> Vec<Vec<Contradiction>> {
+/// The terms of a datasheet, the rise of the winding's limit, and the reference temperature.
+fn terms(sheet: &Datasheet) -> (Vec<Term>, f64, f64) {
     let reference = sheet.get("reference_temperature").unwrap_or(COLD);
     let rise = sheet.get("max_winding_temperature").map_or(1.0, |t| t - reference);
-    let terms: Vec<Term> = sheet
+    let terms = sheet
         .values
         .iter()
         .filter_map(|v| {
@@ -192,6 +191,22 @@ pub fn contradictions(sheet: &Datasheet) -> Vec<Vec<Contradiction>> {
             (printed > 0.0).then(|| Term { quantity: v.quantity, of, printed: printed.ln(), deviation })
         })
         .collect();
+    (terms, rise, reference)
+}
+
+/// Whether any printed value follows from the others, or a quantity with limits follows from several of them.
+pub fn is_comparable(sheet: &Datasheet) -> bool {
+    let sheet = sheet.with_static_friction();
+    let (terms, rise, _) = terms(&sheet);
+    let terms: Vec<&Term> = terms.iter().collect();
+    checks(&sheet).iter().any(|check| check.1.is_some())
+        || (0..terms.len()).any(|k| by_the_others(&terms, k, rise).is_some())
+}
+
+/// The contradictions of a datasheet. Each inner list has the values of which one is wrong: removing any of them resolves the
+/// contradiction.
+pub fn contradictions(sheet: &Datasheet) -> Vec<Vec<Contradiction>> {
+    let (terms, rise, reference) = terms(&sheet.with_static_friction());
     let mut left: Vec<&Term> = terms.iter().collect();
     let mut found = Vec::new();
     while found.len() < MOST_WRONG {
@@ -254,11 +269,26 @@ pub struct Implausible {
     pub unit: &'static str,
 }
 
+/// A quantity in words, from which values it follows, its value, limits and unit.
+type Check = (&'static str, Option<f64>, (f64, f64), &'static str);
+
+/// What is outside the limits that all motors keep.
+pub fn implausible(sheet: &Datasheet) -> Vec<Implausible> {
+    let outside =
+        checks(&sheet.with_static_friction()).into_iter().filter_map(|(words, value, limits, unit)| {
+            let value = value?;
+            (value < limits.0 || value > limits.1).then_some(Implausible { words, value, limits, unit })
+        });
+    outside.collect()
+}
+
 /// What follows from several values and has limits that all motors keep.
 ///
 /// Specific heats: copper 385, steel 460, magnets 450, aluminium 900 J/(kg.K); open motors whose stator alone is printed have less.
-/// Densities: steel 7850, copper 8960 kg/m3; motors with air gaps and plastics from 1000 on. A rotor is within the motor.
-pub fn implausible(sheet: &Datasheet) -> Vec<Implausible> {
+/// Densities: steel 7850, copper 8960 kg/m3; motors with air gaps and plastics from 1000 on. A rotor is within the motor. A no-load current
+/// below 1e-4 of the stall current would be a maximum efficiency above 98 %. The limits of k_t are those of motors from 3 mm to 1 m of
+/// diameter, with margin; a factor of 1000 in k_t is a factor of a million in two of them.
+fn checks(sheet: &Datasheet) -> Vec<Check> {
     let get = |key: &str| sheet.get(key);
     let ratio = |a: Option<f64>, b: Option<f64>| Some(a? / b?);
     let (mass, diameter) = (get("mass"), get("diameter"));
@@ -266,7 +296,9 @@ pub fn implausible(sheet: &Datasheet) -> Vec<Implausible> {
     let c = ratio(get("motor_time_constant"), get("resistance_housing_ambient"));
     let volume = diameter.zip(get("length")).map(|(d, l)| std::f64::consts::FRAC_PI_4 * d * d * l);
     let most_inertia = mass.zip(diameter).map(|(m, d)| m * d * d / 8.0);
-    let checks = [
+    let (k_t, r, u) = (get("torque_constant"), get("terminal_resistance"), get("nominal_voltage"));
+    let k_m2 = k_t.zip(r).map(|(k, r)| k * k / r);
+    vec![
         (
             "specific heat of the motor: motor time constant / (thermal resistance housing-ambient x mass)",
             ratio(c, mass),
@@ -293,6 +325,21 @@ pub fn implausible(sheet: &Datasheet) -> Vec<Implausible> {
             "1",
         ),
         (
+            "no-load current / stall current: I_0 R / U; maximum efficiency (1 - sqrt(I_0 R / U))^2",
+            ratio(get("no_load_current").zip(r).map(|(i, r)| i * r), u),
+            (1e-4, 0.5),
+            "1",
+        ),
+        ("no-load speed: nominal voltage / torque constant", ratio(u, k_t), (1.0, 2e4), "rad/s"),
+        ("motor constant squared / mass: k_t^2 / (R x mass)", ratio(k_m2, mass), (1e-6, 1e2), "N2.m2/(W.kg)"),
+        (
+            "mechanical time constant: rotor inertia x R / k_t^2",
+            ratio(get("rotor_inertia"), k_m2),
+            (1e-5, 10.0),
+            "s",
+        ),
+        ("number of poles / number of pole pairs", ratio(get("poles"), get("pole_pairs")), (2.0, 2.0), "1"),
+        (
             "(static friction torque + dynamic friction x no-load speed) / (k_t x no-load current)",
             get("static_friction_torque")
                 .zip(get("dynamic_friction").zip(get("no_load_speed")))
@@ -302,10 +349,5 @@ pub fn implausible(sheet: &Datasheet) -> Vec<Implausible> {
             "1",
         ),
         ("maximum winding temperature", get("max_winding_temperature"), (333.15, 523.15), "K"),
-    ];
-    let outside = checks.into_iter().filter_map(|(words, value, limits, unit)| {
-        let value = value?;
-        (value < limits.0 || value > limits.1).then_some(Implausible { words, value, limits, unit })
-    });
-    outside.collect()
+    ]
 }

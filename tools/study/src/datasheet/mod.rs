@@ -6,6 +6,7 @@
 //! | `quantities.rs` | what datasheets print, with units, and what it is in terms of the motor's constants |
 //! | `read.rs` | a datasheet from TOML and from text |
 //! | `consistency.rs` | whether the printed values agree |
+//! | `ways.rs` | from which printed values a start value follows, and how |
 //! | `derive.rs` | start values with their sources, the variables that keep their defaults, and the preset's text |
 
 mod consistency;
@@ -14,9 +15,10 @@ mod quantities;
 mod read;
 #[cfg(test)]
 mod tests;
+mod ways;
 
-pub use consistency::{Contradiction, Implausible, contradictions, implausible};
-pub use derive::{Certainty, Derived, Draft, Given};
+pub use consistency::{Contradiction, Implausible, contradictions, implausible, is_comparable};
+pub use derive::{Certainty, Draft, Given};
 pub use quantities::{QUANTITIES, Quantity, by_key};
 
 use units::{Conversion, conversion};
@@ -53,7 +55,9 @@ impl Value {
     /// As given, with its unit.
     pub fn text(&self) -> String {
         let unit = if self.given.1 == "1" { "" } else { &self.given.1 };
-        format!("{} {unit}", self.given.0).trim_end().to_owned()
+        let number = self.given.0;
+        let number = if number < 1e15 { number.to_string() } else { format!("{number:e}") };
+        format!("{number} {unit}").trim_end().to_owned()
     }
 }
 
@@ -84,6 +88,19 @@ impl Datasheet {
     /// In SI units.
     pub fn get(&self, key: &str) -> Option<f64> {
         self.value(key).map(|v| v.si)
+    }
+
+    /// The same sheet, where a friction torque beside a dynamic one is the static one.
+    fn with_static_friction(&self) -> Datasheet {
+        let mut sheet = self.clone();
+        let is_split = sheet.value("dynamic_friction").is_some();
+        if let (true, None, Some(quantity)) =
+            (is_split, sheet.value("static_friction_torque"), by_key("static_friction_torque"))
+            && let Some(value) = sheet.values.iter_mut().find(|v| v.quantity.key == "friction_torque")
+        {
+            value.quantity = quantity;
+        }
+        sheet
     }
 
     /// Adds a value, or replaces that of the same quantity.

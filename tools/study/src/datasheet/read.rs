@@ -107,6 +107,11 @@ impl Value {
             let kind = if key == "poles" { "an even" } else { "a whole" };
             return Err(format!("{key} = {number} is not {kind} number"));
         }
+        if key == "max_efficiency" && !(0.01..=1.0).contains(&converted) {
+            return Err(format!(
+                "{key} = {number} {unit} is not within 1 ... 100 %; a number without unit is in per cent, a fraction has the unit \"1\""
+            ));
+        }
         Ok(Value { quantity, si: converted, given: (number, unit.to_owned()) })
     }
 }

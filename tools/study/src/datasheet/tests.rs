@@ -386,7 +386,7 @@ fn the_estimates_are_medians_of_the_library() {
             list.push(value);
         }
     }
-    let expected = super::derive::OF_LIBRARY;
+    let expected = super::ways::OF_LIBRARY;
     for (list, expected) in found.iter_mut().zip([expected.0, expected.1, expected.2]) {
         list.sort_by(f64::total_cmp);
         let median = 0.5 * (list[list.len() / 2] + list[(list.len() - 1) / 2]);
@@ -403,4 +403,46 @@ fn names_are_unique() {
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), count);
+}
+
+/// Pittman prints a friction torque and a viscous damping: both are used, under either name of the first.
+#[test]
+fn a_friction_torque_beside_a_dynamic_one_is_the_static_one() {
+    let motor = [("torque_constant", "60"), ("terminal_resistance", "1")];
+    let damping = ("dynamic_friction", "0.0135 oz-in/krpm");
+    let draft = |more: &[(&str, &str)]| Draft::new(&sheet(&[&motor[..], more].concat())).unwrap();
+    let of = |draft: &Draft, name: &str| draft.values.iter().find(|v| v.name == name).unwrap().value;
+    for key in ["friction_torque", "static_friction_torque"] {
+        let both = draft(&[(key, "1.8 oz-in"), damping]);
+        assert!((of(&both, "effect.coulomb_friction.tau_c") / 0.012_711 - 1.0).abs() < 1e-3, "{key}");
+        // 0.0135 oz-in = 9.533e-5 N.m per 1000 rpm = 104.72 rad/s.
+        assert!((of(&both, "effect.viscous_friction.k") / 9.103e-7 - 1.0).abs() < 1e-3, "{key}");
+        assert!(both.not_used.is_empty());
+    }
+    // The no-load loss less its viscous part.
+    let rest = draft(&[("no_load_current", "100"), ("no_load_speed", "1000"), ("dynamic_friction", "0.001")]);
+    assert!((of(&rest, "effect.coulomb_friction.tau_c") - 5e-3).abs() < 1e-9);
+    assert_eq!(draft(&[damping]).not_used, ["friction torque, dynamic 0.0135 oz-in/krpm"]);
+}
+
+/// Relations that catch a factor of 1000, and two names of one quantity.
+#[test]
+fn a_wrong_prefix_is_implausible() {
+    for (changes, words) in [
+        (&[("poles", "4"), ("pole_pairs", "3")][..], "number of poles / number of pole pairs"),
+        (&[("no_load_current", "0.0686")], "no-load current / stall current"),
+        (&[("torque_constant", "0.0603")], "no-load speed: nominal voltage / torque constant"),
+        (&[("torque_constant", "0.0603")], "motor constant squared / mass"),
+        (&[("torque_constant", "0.0603")], "mechanical time constant"),
+    ] {
+        let found = implausible(&with(changes));
+        assert!(found.iter().any(|i| i.words.contains(words)), "{words}: {found:?}");
+    }
+    let few = sheet(&[("torque_constant", "60"), ("terminal_resistance", "1")]);
+    assert!(!is_comparable(&few) && is_comparable(&sheet(RE40)));
+    for (text, good) in [("120", false), ("0.85", false), ("85", true), ("100", true)] {
+        let parsed = Value::parse(by_key("max_efficiency").unwrap(), text);
+        assert_eq!(parsed.is_ok(), good, "{text}");
+    }
+    assert!(Value::parse(by_key("max_efficiency").unwrap(), "120").unwrap_err().contains("1 ... 100 %"));
 }

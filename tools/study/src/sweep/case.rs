@@ -1,11 +1,13 @@
 //! What a sweep computes at a point: a motor at constant inputs, or under a load.
 
-use super::vary::{Choice, PRESET};
+use super::vary::{Choice, PRESET, Vary};
+use super::{count, grid_point};
 use crate::StudyError;
-use crate::bench::Bench;
+use crate::notes::Notes;
 use crate::steady::{Setup, continuous_torque, steady};
-use crate::walk::{Known, Load, Objective};
+use crate::walk::{Known, Load, Objective, Setting};
 use describe::Preset;
+use describe::preset::nearest;
 use physics::declare::Kind;
 use physics::model::Entry;
 use serde::Serialize;
@@ -48,6 +50,15 @@ pub trait Case: Sync {
     /// # Errors
     /// One sentence why not.
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError>;
+    /// Limits of a variable, where it has some.
+    fn limits(&self, name: &str) -> Option<(f64, f64)>;
+    /// What has no effect at any point, in sentences.
+    ///
+    /// # Errors
+    /// A value that is refused.
+    fn notes(&self, _: &[Vary]) -> Result<Vec<String>, StudyError> {
+        Ok(Vec::new())
+    }
     /// Source of the measured data that the case uses, if any.
     ///
     /// # Errors
@@ -71,6 +82,24 @@ fn unit_of(entry: &Entry) -> &'static str {
     }
 }
 
+/// The names that are varied, without the preset.
+fn names(vary: &[Vary]) -> Vec<&str> {
+    vary.iter().map(|v| v.name.as_str()).filter(|name| *name != PRESET).collect()
+}
+
+/// Something of each point that notes are made for. Points within a range are in the same modes as its ends.
+fn at_ends<T>(
+    vary: &[Vary],
+    of: impl Fn(&[(&str, &Choice)]) -> Result<T, StudyError>,
+) -> Result<Vec<T>, StudyError> {
+    let ends: Vec<Vary> = vary.iter().map(Vary::ends).collect();
+    let at = |k| {
+        let values = grid_point(&ends, k);
+        of(&ends.iter().zip(&values).map(|(v, value)| (v.name.as_str(), value)).collect::<Vec<_>>())
+    };
+    (0..count(&ends)).map(at).collect()
+}
+
 /// A motor at constant inputs.
 ///
 /// Its quantities are `continuous_torque`, N.m; `torque_density`, the same per total mass, N.m/kg; and the outputs in steady state.
@@ -81,14 +110,14 @@ pub struct ConstantInputs {
 }
 
 impl ConstantInputs {
-    fn with(&self, sets: &[(&str, &Choice)]) -> Result<Bench, StudyError> {
+    fn point(&self, sets: &[(&str, &Choice)]) -> Result<Setup, StudyError> {
         let mut setup = self.setup.clone();
         if let Some(preset) = preset(sets)? {
             setup.preset = Some(preset);
         }
         let others = sets.iter().filter(|(name, _)| *name != PRESET);
         setup.sets.extend(others.map(|(name, value)| ((*name).to_owned(), value.text())));
-        setup.bench()
+        Ok(setup)
     }
 }
 
@@ -96,10 +125,15 @@ impl Case for ConstantInputs {
     fn target(&self, name: &str) -> Result<Target, StudyError> {
         let bench = self.setup.bench()?;
         let output = if name == "continuous_torque" { "shaft_torque" } else { name };
-        let entry = bench.entry(output)?;
-        if !bench.is_output(output) {
-            return Err(StudyError::new(format!("--objective {output} is no output of the model")));
-        }
+        let Some(entry) = bench.declaration().by_name(output).filter(|_| bench.is_output(output)) else {
+            if Objective::named(name).is_ok() {
+                return Err(StudyError::new("it is an objective only with --load"));
+            }
+            let entries = bench.declaration().entries.iter().map(|e| e.name.as_str());
+            let outputs = entries.filter(|name| bench.is_output(name)).chain(["continuous_torque"]);
+            let hint = if name.is_empty() { String::new() } else { nearest(name, outputs) };
+            return Err(StudyError::new(format!("it is no output of {}{hint}", bench.declaration().name)));
+        };
         let unit = entry.row.unit.name();
         let losses = ["power_electrical", "loss_copper", "loss_iron", "loss_friction", "loss_drive"];
         let least_is_best = (unit == "K" && !entry.row.relative) || losses.contains(&name);
@@ -116,7 +150,7 @@ impl Case for ConstantInputs {
         targets: &[Target],
         _: &mut Known,
     ) -> Result<Vec<f64>, StudyError> {
-        let mut bench = self.with(sets)?;
+        let mut bench = self.point(sets)?.bench()?;
         let at_limit = |name: &str| matches!(name, "continuous_torque" | "torque_density");
         let continuous =
             targets.iter().any(|t| at_limit(&t.name)).then(|| continuous_torque(&bench)).transpose()?;
@@ -133,7 +167,17 @@ impl Case for ConstantInputs {
     }
 
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError> {
-        self.with(&[(name, value)]).map(|_| ())
+        self.point(&[(name, value)])?.bench().map(|_| ())
+    }
+
+    fn limits(&self, name: &str) -> Option<(f64, f64)> {
+        let row = self.setup.bench().ok()?.entry(name).ok()?.row;
+        Some((row.min, row.max))
+    }
+
+    fn notes(&self, vary: &[Vary]) -> Result<Vec<String>, StudyError> {
+        let points = at_ends(vary, |sets| self.point(sets))?;
+        Setup::notes_of(&points, &names(vary))
     }
 }
 
@@ -201,6 +245,20 @@ impl Case for Walking {
 
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError> {
         self.with(&[(name, value)]).map(|_| ())
+    }
+
+    fn limits(&self, name: &str) -> Option<(f64, f64)> {
+        if let Some(setting) = Setting::named(name) {
+            return Some(setting.limits());
+        }
+        let row = self.load.owner(name).ok()?.entry(name).ok()?.row;
+        Some((row.min, row.max))
+    }
+
+    fn notes(&self, vary: &[Vary]) -> Result<Vec<String>, StudyError> {
+        let names = names(vary);
+        let points = at_ends(vary, |sets| self.with(sets)?.noted(&names))?;
+        Ok(Notes::sentences(points, &names))
     }
 
     fn source(&self) -> Result<Option<String>, StudyError> {

@@ -94,6 +94,15 @@ impl Vary {
         Ok(Vary { name, values: linspace(from, to, n).into_iter().map(Choice::Number).collect() })
     }
 
+    /// The ends of a range of numbers; all values of a list with words.
+    pub(super) fn ends(&self) -> Vary {
+        let mut ends = self.clone();
+        if let (Some(_), [first, .., last]) = (self.numbers(), &self.values[..]) {
+            ends.values = vec![first.clone(), last.clone()];
+        }
+        ends
+    }
+
     /// The numbers, where all values are.
     pub fn numbers(&self) -> Option<Vec<f64>> {
         self.values.iter().map(Choice::number).collect()

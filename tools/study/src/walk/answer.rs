@@ -6,6 +6,7 @@ use super::load::Load;
 use super::periodic::Periodic;
 use super::support::continuous_support;
 use crate::StudyError;
+use describe::preset::nearest;
 use serde::Serialize;
 
 /// Objective of a sweep under a gait.
@@ -98,8 +99,13 @@ impl Objective {
     pub fn named(name: &str) -> Result<Objective, StudyError> {
         OBJECTIVES.into_iter().find(|o| o.name == name).ok_or_else(|| {
             StudyError::new(format!(
-                "--objective {name}: with --load the objectives are {}",
-                OBJECTIVES.map(|o| o.name).join(", ")
+                "with --load the objectives are {}{}",
+                OBJECTIVES.map(|o| o.name).join(", "),
+                if name.is_empty() {
+                    String::new()
+                } else {
+                    nearest(name, OBJECTIVES.iter().map(|o| o.name))
+                }
             ))
         })
     }

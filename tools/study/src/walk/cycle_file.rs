@@ -73,9 +73,9 @@ impl Setting {
         ALL.iter().find(|s| s.name == name)
     }
 
-    /// The greatest value.
-    pub fn most(&self) -> f64 {
-        self.limits.1
+    /// The least and the greatest value.
+    pub fn limits(&self) -> (f64, f64) {
+        self.limits
     }
 
     /// The value.
@@ -173,12 +173,16 @@ impl Cycle {
 struct Column {
     header: String,
     unit: Option<String>,
+    /// Offset of its key in the load file.
+    at: usize,
 }
 
 /// What the table `[cycle]` says.
 #[derive(Default)]
 struct Table {
     file: Option<String>,
+    /// Offset of the key of the file, or of the first key.
+    at: usize,
     columns: [Option<Column>; 4],
     period: Option<f64>,
     drive: Drive,
@@ -241,7 +245,10 @@ pub(super) fn read(
     let mut good = true;
     for (key, value) in values {
         let at = value.span().start.max(key.span().start);
-        if let Err(sentence) = entry(&mut table, key.get_ref(), value.get_ref()) {
+        if key.get_ref() == "file" || table.at == 0 {
+            table.at = at;
+        }
+        if let Err(sentence) = entry(&mut table, key.get_ref(), value.get_ref(), at) {
             source.error(at, sentence);
             good = false;
         }
@@ -252,8 +259,8 @@ pub(super) fn read(
     let drive = table.drive;
     match load(table, folder) {
         Ok(cycle) => Some((cycle, drive)),
-        Err(sentence) => {
-            source.error(value.span().start, sentence);
+        Err((at, sentence)) => {
+            source.error(at, sentence);
             None
         }
     }
@@ -270,10 +277,10 @@ fn text_of(value: &DeValue<'_>) -> Option<String> {
     }
 }
 
-fn entry(table: &mut Table, key: &str, value: &DeValue<'_>) -> Result<(), String> {
+fn entry(table: &mut Table, key: &str, value: &DeValue<'_>, at: usize) -> Result<(), String> {
     let place = COLUMNS.iter().position(|(name, _)| *name == key);
     if let Some(place) = place {
-        let mut column = Column::default();
+        let mut column = Column { at, ..Column::default() };
         match value {
             DeValue::String(header) => column.header = header.to_string(),
             DeValue::Table(parts) => {
@@ -323,64 +330,75 @@ fn entry(table: &mut Table, key: &str, value: &DeValue<'_>) -> Result<(), String
     Ok(())
 }
 
-fn load(table: Table, folder: &Path) -> Result<Cycle, String> {
-    let file = table.file.ok_or("the key file of [cycle] is missing")?;
-    let (name, text) = text_at(&folder.join(&file))?;
+/// The cycle of a table; an error has the offset of what is wrong.
+fn load(table: Table, folder: &Path) -> Result<Cycle, (usize, String)> {
+    let here = |sentence: String| (table.at, sentence);
+    let file = table.file.ok_or_else(|| here("the key file of [cycle] is missing".to_owned()))?;
+    let (name, text) = text_at(&folder.join(&file)).map_err(here)?;
     let (columns, period) = (table.columns, table.period);
-    if columns[SPEED].is_some() && columns[ANGLE].is_some() {
-        return Err("[cycle] has speed and angle: one of them is enough".to_owned());
+    if let (Some(_), Some(angle)) = (&columns[SPEED], &columns[ANGLE]) {
+        return Err((angle.at, "[cycle] has speed and angle: one of them is enough".to_owned()));
     }
     for (place, other) in [(TIME, TIME), (TORQUE, TORQUE), (SPEED, ANGLE)] {
         if columns[place].is_none() && columns[other].is_none() {
             let names = if place == other { COLUMNS[place].0 } else { "speed or angle" };
-            return Err(format!("the key {names} of [cycle] is missing"));
+            return Err(here(format!("the key {names} of [cycle] is missing")));
         }
     }
     let headers = text.header();
-    let mut read: Vec<(usize, usize, Conversion)> = Vec::new();
+    let mut read: Vec<(usize, usize, Conversion, &str)> = Vec::new();
     for (kind, column) in columns.iter().enumerate() {
-        let Some(Column { header, unit }) = column else { continue };
+        let Some(Column { header, unit, at }) = column else { continue };
         let place = headers
             .iter()
             .position(|h| h == header)
             .or_else(|| headers.iter().position(|h| name_and_unit(h).0 == header));
         let place = place.ok_or_else(|| {
-            format!("{name} has no column {header}; its columns are {}", headers.join(", "))
+            (*at, format!("{name} has no column {header}; its columns are {}", headers.join(", ")))
         })?;
+        if headers.iter().filter(|h| **h == headers[place]).count() > 1 {
+            return Err((
+                *at,
+                format!("{name} has several columns {}: give each column its own name", headers[place]),
+            ));
+        }
         let si = COLUMNS[kind].1;
-        let conversion = match unit.as_deref().or_else(|| name_and_unit(&headers[place]).1) {
+        let unit = unit.as_deref().or_else(|| name_and_unit(&headers[place]).1);
+        let conversion = match unit {
             None => unchanged(),
-            Some(unit) => {
-                conversion(unit, si, false).map_err(|refusal| format!("{}: {refusal}", COLUMNS[kind].0))?
-            }
+            Some(unit) => conversion(unit, si, false)
+                .map_err(|refusal| (*at, format!("{}: {refusal}", COLUMNS[kind].0)))?,
         };
-        read.push((kind, place, conversion));
+        read.push((kind, place, conversion, unit.unwrap_or(si)));
     }
     let mut values: [Vec<f64>; 4] = Default::default();
     for row in text.rows() {
-        let Row { line, cells } = row.map_err(|f| format!("{name}:{}: {}", f.line, f.message))?;
-        for (kind, place, conversion) in &read {
+        let Row { line, cells } = row.map_err(|f| here(format!("{name}:{}: {}", f.line, f.message)))?;
+        for (kind, place, conversion, _) in &read {
             let (header, cell) = (&headers[*place], &cells[*place]);
             let number = text.pointed(cell).parse().ok().filter(|v: &f64| v.is_finite());
-            let number = number
-                .ok_or_else(|| format!("{name}:{line}: \"{cell}\" in column {header} is not a number"))?;
+            let number = number.ok_or_else(|| {
+                here(format!("{name}:{line}: \"{cell}\" in column {header} is not a number"))
+            })?;
             values[*kind].push(conversion.of(number));
         }
         let times = &values[TIME];
         if let [.., before, now] = times[..]
             && now <= before
         {
-            return Err(format!("{name}:{line}: time {now} s does not follow {before} s"));
+            let [now, before] = [now, before].map(|t| present::number(read[0].2.back(t)));
+            let unit = read[0].3;
+            return Err(here(format!("{name}:{line}: time {now} {unit} does not follow {before} {unit}")));
         }
         if times.len() > MOST_ROWS {
-            return Err(format!("{name} has more than {MOST_ROWS} rows"));
+            return Err(here(format!("{name} has more than {MOST_ROWS} rows")));
         }
     }
     let source = format!(
         "{file}, columns {}",
         read.iter().map(|r| headers[r.1].as_str()).collect::<Vec<_>>().join(", ")
     );
-    cycle(values, period, source).map_err(|sentence| format!("{name}: {sentence}"))
+    cycle(values, period, source).map_err(|sentence| here(format!("{name}: {sentence}")))
 }
 
 /// Name and contents of a file.

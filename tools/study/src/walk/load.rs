@@ -25,6 +25,7 @@
 //! ```
 
 mod file;
+mod notes;
 
 use super::cycle_file::{Cycle, Drive, SCALE, SETTINGS, Setting};
 use super::mix::Mix;
@@ -68,7 +69,7 @@ const THE_GAIT: usize = 2;
 #[derive(Clone)]
 pub struct Load {
     benches: [Bench; 3],
-    /// Variables of the actuator that were set explicitly.
+    /// Variables of the motor and the actuator that the file or a setting gives.
     pub(super) explicit: BTreeSet<String>,
     /// In place of actuator and gait.
     cycle: Option<(Arc<Cycle>, Drive)>,
@@ -82,6 +83,7 @@ pub struct Load {
 struct Origin {
     text: String,
     file: String,
+    preset: Option<Preset>,
     sets: Vec<(String, String)>,
 }
 
@@ -148,7 +150,7 @@ impl Load {
         let mut most = f64::INFINITY;
         for part in self.parts() {
             most = most.min(match (&part.cycle, Setting::named(SCALE)) {
-                (Some(_), Some(scale)) => scale.most(),
+                (Some(_), Some(scale)) => scale.limits().1,
                 _ => part.benches[THE_GAIT].entry(SUPPORT)?.row.max,
             });
         }
@@ -197,12 +199,22 @@ impl Load {
 
     /// One sentence about a name that neither the models nor the cycle know.
     fn unknown(&self, name: &str) -> StudyError {
-        let entries = self.benches.iter().flat_map(|bench| &bench.declaration().entries);
-        let known = entries.map(|entry| entry.name.as_str()).chain(SETTINGS.iter().map(|s| s.name));
-        StudyError::new(format!(
-            "neither motor nor actuator, gait or cycle has a variable {name}{}",
-            nearest(name, known)
-        ))
+        let parts = self.parts();
+        let has_cycle = parts.iter().any(|part| part.cycle.is_some());
+        let has_actuator = parts.iter().any(|part| part.cycle.is_none());
+        if Setting::named(name).is_some() {
+            return StudyError::new(format!("{name} has no effect: the load has no [cycle] at the motor"));
+        }
+        let benches = if has_actuator { &self.benches[..] } else { &self.benches[..1] };
+        let entries = benches.iter().flat_map(|bench| &bench.declaration().entries);
+        let settings = SETTINGS.iter().filter(|_| has_cycle).map(|s| s.name);
+        let known = settings.chain(entries.map(|entry| entry.name.as_str()));
+        let owners = match (has_actuator, has_cycle) {
+            (true, false) => "neither motor nor actuator or gait has",
+            (false, true) => "neither motor nor cycle has",
+            _ => "neither motor nor actuator, gait or cycle has",
+        };
+        StudyError::new(format!("{owners} a variable {name}{}", nearest(name, known)))
     }
 
     /// Sets a variable of the first model that has it, from text.
@@ -244,9 +256,7 @@ impl Load {
             )));
         }
         self.benches[place].set_text(name, text)?;
-        if place == THE_ACTUATOR {
-            self.explicit.insert(name.to_owned());
-        }
+        self.explicit.insert(name.to_owned());
         Ok(())
     }
 

@@ -74,6 +74,9 @@ fn mix<L>(value: &DeValue<'_>) -> Result<MixFile<L>, String> {
             }
         }
     }
+    if found.phases.is_empty() {
+        return Err("it has no phase; the key phase is a list of tables".to_owned());
+    }
     let sum: f64 = found.phases.iter().map(|p| p.fraction).sum();
     if (sum - 1.0).abs() > SUM {
         return Err(format!("the fractions of its {} phases add up to {sum}, not to 1", found.phases.len()));

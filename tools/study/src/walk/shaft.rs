@@ -9,6 +9,7 @@ use super::periodic::Periodic;
 use super::walker::period;
 use crate::StudyError;
 use crate::bench::Bench;
+use crate::reproduce::significant;
 use physics::model::{Model, Slot};
 use std::sync::Arc;
 
@@ -21,6 +22,15 @@ const INSTANTS: u32 = 16;
 const DRAG_EVALUATIONS: usize = 2;
 /// Number of states before the temperatures: current and speed are imposed.
 const FIRST: usize = 0;
+
+/// What a cycle sets on its motor.
+pub(super) const GIVEN: [&str; 4] = ["drive_mode", "mechanical_mode", "imposed_speed", "current_command"];
+
+/// Sets the modes of a motor under a cycle.
+pub(super) fn set_modes(motor: &mut Bench) -> Result<(), StudyError> {
+    motor.set_text("drive_mode", "current")?;
+    motor.set_text("mechanical_mode", "imposed_speed")
+}
 
 #[derive(Clone, Copy)]
 struct Slots {
@@ -56,8 +66,7 @@ impl Clone for Shaft {
 
 impl Shaft {
     pub(super) fn start(mut motor: Bench, cycle: Arc<Cycle>, drive: Drive) -> Result<Shaft, StudyError> {
-        motor.set_text("drive_mode", "current")?;
-        motor.set_text("mechanical_mode", "imposed_speed")?;
+        set_modes(&mut motor)?;
         let slot = |name: &str| Ok::<Slot, StudyError>(motor.entry(name)?.slot);
         let slots = Slots {
             speed: slot("imposed_speed")?,
@@ -143,7 +152,21 @@ impl Shaft {
             look(self, step);
             let time = self.done as f64 * self.h;
             let motor = &mut self.motor;
-            motor.step(time, self.h).map_err(|fault| StudyError::of_step(&**motor, &fault))?;
+            motor.step(time, self.h).map_err(|fault| {
+                let sentence = StudyError::of_step(&**motor, &fault).to_string();
+                let peak = self.cycle.table(scale / ratio).torques.into_iter().fold(0.0, |p: f64, t| p.max(t.abs()));
+                let current = significant(peak / motor.get(self.slots.k_t));
+                let gear = match ratio {
+                    1.0 => "no ratio is given".to_owned(),
+                    ratio => format!("the ratio is {}", significant(ratio)),
+                };
+                let cause = format!(
+                    "{}; the peak torque of the cycle is {} N.m at the motor ({gear}), for which it needs {current} A",
+                    sentence.trim_end_matches('.'),
+                    significant(peak)
+                );
+                if motor.ended() { StudyError::Unsettled(cause) } else { StudyError::new(cause) }
+            })?;
             self.done += 1;
             let winding = motor.get(self.slots.winding);
             s.winding_temperature = s.winding_temperature.max(winding);

@@ -9,26 +9,30 @@ use std::f64::consts::PI;
 const INSTANTS: u32 = 400;
 
 impl Load {
-    /// A sentence for each activity whose joint turns the motor faster than it turns without load at the supply voltage.
+    /// A sentence for each activity or cycle whose speed turns the motor faster than it turns without load at the supply voltage.
     ///
     /// # Errors
     /// A gait that does not start.
     pub fn speed_notes(&self) -> Result<Vec<String>, StudyError> {
         let mut notes = Vec::new();
-        for part in self.parts().into_iter().filter(|part| part.words().place == "joint") {
-            let joint = part.peak_speed()?;
-            let ratio = match part.get("transmission.kind")? {
-                1.0 => part.get("transmission.ratio")?,
-                _ => 2.0 * PI * part.get("transmission.lever")? / part.get("transmission.lead")?,
+        for part in self.parts() {
+            let place = part.words().place;
+            let follower = if place == "cycle" { "motor" } else { "actuator" };
+            let (joint, ratio, supply) = match part.table().filter(|_| place == "cycle") {
+                Some((table, _, drive)) => {
+                    let peak = table.speeds.iter().fold(0.0, |peak: f64, speed| peak.max(speed.abs()));
+                    (peak, drive.ratio, "cycle.supply")
+                }
+                None => (part.peak_speed()?, part.gear_ratio()?, "supply_voltage"),
             };
-            let (voltage, k_t) = (part.get("supply_voltage")?, part.get("motor.k_t")?);
+            let (voltage, k_t) = (part.get(supply)?, part.get("motor.k_t")?);
             let (needed, no_load) = (joint * ratio, voltage / k_t);
             if needed > no_load {
                 let [joint, ratio, needed, no_load, voltage] =
                     [joint, ratio, needed, no_load, voltage].map(significant);
                 notes.push(format!(
-                    "{}: the peak speed of the joint, {joint} rad/s, times the ratio {ratio} is {needed} rad/s; without load the motor \
-                     reaches {no_load} rad/s at supply_voltage = {voltage} V, so that the actuator cannot follow the joint",
+                    "{}: the peak speed of the {place}, {joint} rad/s, times the ratio {ratio} is {needed} rad/s; without load the motor \
+                     reaches {no_load} rad/s at {supply} = {voltage} V, so that the {follower} cannot follow the {place}",
                     part.source()?
                 ));
             }
@@ -48,6 +52,14 @@ impl Load {
         let given = part.explicit.contains("supply_voltage")
             || part.derived()?.iter().any(|d| d.name == "supply_voltage");
         Ok(if given { None } else { Some(part.get("supply_voltage")?) })
+    }
+
+    /// Angle of the motor over that of the joint.
+    fn gear_ratio(&self) -> Result<f64, StudyError> {
+        Ok(match self.get("transmission.kind")? {
+            1.0 => self.get("transmission.ratio")?,
+            _ => 2.0 * PI * self.get("transmission.lever")? / self.get("transmission.lead")?,
+        })
     }
 
     /// Greatest speed of the joint over a stride, rad/s.

@@ -14,6 +14,8 @@ const STEP: f64 = 1e-3;
 const INSTANTS: u32 = 16;
 /// From the motor to the actuator, after the motor has its inputs.
 const POWER: (usize, &str, &str) = (MOTOR, "power_electrical", "motor_power");
+/// From the actuator to the motor.
+const LOAD: (usize, &str, &str) = (ACTUATOR, "load_torque", "load_torque");
 /// From the gait, and from the motor, to the actuator.
 const TO_ACTUATOR: [(usize, &str, &str); 6] = [
     (GAIT, "joint_angle", "joint_angle"),
@@ -29,6 +31,16 @@ const GAIT: usize = 2;
 /// Drive modes that follow an actuator, with its output and the motor's input.
 const DRIVES: [(f64, &str, &str); 2] =
     [(1.0, "voltage", "voltage"), (3.0, "current_command", "current_command")];
+
+/// Whether an input of one of the models follows the others.
+pub(super) fn is_given(place: usize, name: &str, motor: &Bench) -> bool {
+    let mode = motor.clone().get("drive_mode").unwrap_or_default();
+    match place {
+        MOTOR => name == LOAD.2 || DRIVES.iter().any(|drive| drive.0 == mode && drive.2 == name),
+        ACTUATOR => TO_ACTUATOR.iter().chain([&POWER]).any(|link| link.2 == name),
+        _ => false,
+    }
+}
 
 /// An output that an input follows.
 #[derive(Clone, Copy, Debug)]
@@ -90,7 +102,7 @@ impl Coupled {
                 "gait.variation must be 0: varying strides have no periodic steady state",
             ));
         }
-        let to_motor = [(ACTUATOR, drive.1, drive.2), (ACTUATOR, "load_torque", "load_torque")];
+        let to_motor = [(ACTUATOR, drive.1, drive.2), LOAD];
         let link = |to: usize, &(from, output, input): &(usize, &str, &str)| {
             Ok(Link {
                 from: (from, slot(benches[from], output)?),

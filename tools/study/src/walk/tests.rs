@@ -263,7 +263,15 @@ fn bad_cycles_are_named_with_file_and_line() {
     for (text, words) in [
         (flat("none.csv"), &["none.csv", "cannot be read"][..]),
         (flat("bad.csv"), &["bad.csv:3", "\"x\"", "column M"]),
-        (flat("back.csv"), &["back.csv:4", "0.5 s"]),
+        (flat("back.csv"), &["load.toml:2", "back.csv:4", "time 0.5 s does not follow 1 s"]),
+        (
+            flat("back.csv").replace("\"t\"", "{ column = \"t\", unit = \"ms\" }"),
+            &["time 0.5 ms does not follow 1 ms"],
+        ),
+        (
+            flat("back.csv").replace("\"M\"", "{ column = \"M\", unit = \"V\" }"),
+            &["load.toml:4: torque: \"V\""],
+        ),
         (flat("bad.csv").replace("\"M\"", "\"torque\""), &["no column torque", "t, M, n"]),
         (SINE.replace("unit = \"ms\"", "unit = \"mm\""), &["time", "\"mm\""]),
         (SINE.replace("torque = \"M\"\n", ""), &["torque", "missing"]),
@@ -275,6 +283,7 @@ fn bad_cycles_are_named_with_file_and_line() {
             format!("{SINE}[mix]\nphase = [{{ fraction = 0.5 }}, {{ fraction = 0.4, rest = true }}]\n"),
             &["add up to 0.9"],
         ),
+        ("[mix]\nphase = []\n".to_owned(), &["it has no phase"]),
     ] {
         let error = load(folder.path(), &text, &[]).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(
@@ -282,4 +291,17 @@ fn bad_cycles_are_named_with_file_and_line() {
             "{words:?} in {error}\n{text}"
         );
     }
+}
+
+/// A torque for which a gear was forgotten: the sentence has the torque and the current that it needs.
+#[test]
+fn a_cycle_that_needs_too_much_current_says_which() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("big.csv"), "t,M,n\n0,40,2\n1,46,2\n2,40,2\n").unwrap();
+    let text = "[cycle]\nfile = \"big.csv\"\ntime = \"t\"\ntorque = \"M\"\nspeed = \"n\"\n";
+    let error = walk(&load(folder.path(), text, &[]).unwrap(), 0.1, &|_| ()).unwrap_err().to_string();
+    assert!(error.contains("is 46.00 N.m at the motor (no ratio is given), for which it needs"), "{error}");
+    let fast = load(folder.path(), text, &[("cycle.supply", "0.01"), ("cycle.scale", "1e-3")]).unwrap();
+    let notes = fast.speed_notes().unwrap();
+    assert!(notes.len() == 1 && notes[0].contains("at cycle.supply = 0.01000 V"), "{notes:?}");
 }

@@ -34,8 +34,15 @@ fn text_of(file: &Path) -> Result<String, StudyError> {
     if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv")) {
         return cycle_file::table_of(file).map_err(StudyError::new);
     }
-    delimited::read_text(file)
-        .map_err(|e| StudyError::new(format!("the load {} cannot be read ({e})", file.display())))
+    let text = delimited::read_text(file)
+        .map_err(|e| StudyError::new(format!("the load {} cannot be read ({e})", file.display())))?;
+    match text.parse::<toml::Table>() {
+        Ok(table) if table.is_empty() => Err(StudyError::new(format!(
+            "the load {} is empty; it has at least one of the tables [motor], [actuator], [gait], [cycle] and [mix]",
+            file.display()
+        ))),
+        _ => Ok(text),
+    }
 }
 
 impl Load {
@@ -102,11 +109,18 @@ impl Load {
         for (bench, values) in benches.iter_mut().zip(&values) {
             bench.set_all(values)?;
         }
-        let declaration = benches[THE_ACTUATOR].declaration();
-        let given = values[THE_ACTUATOR].entries();
-        let names = given.iter().filter_map(|(reference, _)| declaration.by_reference(*reference));
-        let explicit = names.map(|entry| entry.name.clone()).collect();
-        let origin = Origin { text: text.to_owned(), file: file.to_owned(), sets: sets.to_vec() };
+        let mut explicit = BTreeSet::new();
+        for (bench, values) in benches[..=THE_ACTUATOR].iter().zip(&values) {
+            let given = values.entries();
+            let names = given.iter().filter_map(|(r, _)| bench.declaration().by_reference(*r));
+            explicit.extend(names.map(|entry| entry.name.clone()));
+        }
+        let origin = Origin {
+            text: text.to_owned(),
+            file: file.to_owned(),
+            preset: preset.cloned(),
+            sets: sets.to_vec(),
+        };
         let mut cycle = cycle.map(|(cycle, drive)| (Arc::new(cycle), drive));
         let carried = cycle.take_if(|_| at_joint);
         if let Some((cycle, drive)) = &carried {
