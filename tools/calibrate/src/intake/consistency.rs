@@ -289,7 +289,7 @@ pub fn contradicting_value(
         deadline: deadline.clone(),
     };
     let as_is = fitted(&judge, &thin)?;
-    if as_is.is_cut || as_is.bad_runs().is_empty() { Ok(None) } else { wrong_value(&judge, &thin) }
+    if as_is.is_cut || as_is.bad_runs().is_empty() { Ok(None) } else { wrong_value(&judge, &thin, &as_is) }
 }
 
 /// The fit of the data as they are, if they agree with the model; otherwise each output is predicted by the fit of the others if these

@@ -110,17 +110,25 @@ impl Cost {
 
     /// The runs that deviate by more than the structure error; all runs if parameters are strained.
     pub(super) fn bad_runs(&self) -> Vec<usize> {
-        let limit = FACTOR * FACTOR * SAMPLES * self.outputs.len() as f64;
-        let is_bad = |run: &usize| self.runs[*run] > limit || self.prior > STRAINED;
-        (0..self.runs.len()).filter(is_bad).collect()
+        let all = 0..self.runs.len();
+        if self.prior > STRAINED { all.collect() } else { all.filter(|run| self.deviates(*run)).collect() }
+    }
+
+    /// Whether no run deviates by more than the structure error, strained parameters or not.
+    pub(super) fn follows_all(&self) -> bool {
+        !(0..self.runs.len()).any(|run| self.deviates(run))
+    }
+
+    fn deviates(&self, run: usize) -> bool {
+        self.runs[run] > FACTOR * FACTOR * SAMPLES * self.outputs.len() as f64
     }
 }
 
 /// Cost of one run. The structure error of a quantity that follows the inputs at once has the size that the quantity has in this run, and
 /// at least the fraction [`SMALL`] of that in the fitted ones.
 fn of_run(setup: &Setup, fitted: &[usize], run: usize, shown: &Shown) -> f64 {
-    let all = squares(setup, run, shown).into_iter().enumerate();
-    all.map(|(output, square)| {
+    let all = setup.squares(&[run], std::slice::from_ref(shown)).into_iter().enumerate();
+    all.map(|(output, (square, _))| {
         let (mut variance, of_all) =
             (setup.sigma(output).powi(2), structure(setup.experiment, fitted, output));
         if !setup.experiment.outputs[output].is_temperature() {

@@ -337,14 +337,13 @@ fn without_coupling(time: &[f64], column: &[f64], tau: f64) -> Vec<f64> {
 }
 
 /// Units of the time, in s. Definition: of the units; loggers count periods of the mains and ticks of tens of milliseconds, too.
-const TIMES: [(f64, &str); 9] = [
+const TIMES: [(f64, &str); 8] = [
     (1e-3, "ms"),
     (60.0, "min"),
     (3600.0, "h"),
     (86_400.0, "d"),
     (1e-6, "us"),
     (1e3, "ks"),
-    (1e-1, "1/10 s"),
     (1e-2, "1/100 s"),
     (1.0 / 60.0, "1/60 s"),
 ];

@@ -147,11 +147,12 @@ fn other_values(
 pub(super) fn wrong_value(
     judge: &Judge,
     experiment: &Experiment,
+    as_is: &Cost,
 ) -> Result<Option<Unusable>, CalibrateError> {
     let agree = freed(judge, experiment, ANY_ORDER)?.into_iter().filter(|(_, cost, value, own)| {
         let share = value / own;
-        let is_unit = share * ANY_ORDER > 1.0 && share < ANY_ORDER;
-        !cost.is_cut && is_unit && !is_of_its_order(*value, *own) && cost.bad_runs().is_empty()
+        let is_unit = share * ANY_ORDER > 1.0 && share < ANY_ORDER && !is_of_its_order(*value, *own);
+        is_unit && !cost.is_cut && cost.follows_all() && as_is.is_worse_than(cost, FACTOR, None)
     });
     let best = agree.min_by(|a, b| a.1.whole().total_cmp(&b.1.whole()));
     Ok(best.map(|(name, _, value, own)| Unusable {

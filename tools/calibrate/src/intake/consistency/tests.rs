@@ -144,8 +144,11 @@ fn another_interval_in_one_file_is_unusable() {
         let reason = reason(&mut wrong);
         let found = reason.split("times multiplied by ").nth(1);
         let found: Option<f64> = found.and_then(|rest| rest.split(' ').next()?.parse().ok());
-        assert!(reason.starts_with("time_s: time_s in run-2.csv"), "{reason}");
-        assert!((found.unwrap() * factor - 1.0).abs() < 0.1, "{reason}");
+        assert!(reason.starts_with("time_s: time_s in run-2.csv"), "{factor}: {reason}");
+        assert!(
+            (found.unwrap_or_else(|| panic!("{factor}: {reason}")) * factor - 1.0).abs() < 0.1,
+            "{reason}"
+        );
     }
 }
 
@@ -179,7 +182,7 @@ fn a_value_of_another_order_is_named() {
         wrong.priors.retain(|p| p.name != name);
         wrong.set.push((name.to_string(), factor * own));
         let reason = reason(&mut wrong);
-        assert!(reason.starts_with(name) && reason.contains("contradicts the data"), "{reason}");
+        assert!(reason.starts_with(name) && reason.contains("contradicts the data"), "{name} {reason}");
     }
 }
 
