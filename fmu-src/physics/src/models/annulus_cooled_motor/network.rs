@@ -19,7 +19,7 @@ mod substep;
 pub use body::{Body, SEGMENTS};
 pub use substep::{Advance, CouplingIntegrals};
 
-use super::cooling::{Coefficients, Conditions, Cooling, Stream, Tangent, without_flow};
+use super::cooling::{Coefficients, Conditions, Cooling, Passing, Stream, Tangent, without_flow};
 use super::parameters::Parameters;
 use super::variables::{EnergyBalance, Inputs};
 use crate::runtime::Saved;
@@ -270,7 +270,7 @@ impl Network {
             let direct = c.ambient_conductance[k] * (t - ambient);
             let radiated = c.to_tube * (t - tube);
             let along = body.axial * (before - 2.0 * t + after);
-            let Passing { segment, tube: from_tube, air: next } = passing(c, k, t, tube, air);
+            let Passing { segment, tube: from_tube, air: next } = c.passing(k, t, tube, air);
             air = next;
             from_rotor += from;
             to_tube += radiated - from_tube;
@@ -373,7 +373,7 @@ impl Network {
             flows.rotor_to_housing += body.from_rotor * (rotor - t);
             flows.housing_to_room += c.ambient_conductance[k] * (t - ambient);
             flows.housing_to_tube += c.to_tube * (t - tube);
-            let p = passing(c, k, t, tube, air);
+            let p = c.passing(k, t, tube, air);
             flows.housing_to_air += p.segment;
             flows.tube_to_air += p.tube;
             air = p.air;
@@ -381,27 +381,6 @@ impl Network {
         flows.air_to_room = c.m_flow_cp * (air - inlet) + flows.fan_to_air;
         flows.outlet = air;
         flows
-    }
-}
-
-/// Heat flows of one segment and its length of tube to the air, W, and the air temperature behind them, K.
-struct Passing {
-    segment: f64,
-    tube: f64,
-    air: f64,
-}
-
-/// Eq. (2) of `cooling/coefficients.rs`.
-#[inline]
-fn passing(c: &Coefficients, k: usize, t: f64, tube: f64, air: f64) -> Passing {
-    let (share, films) = (c.share[k], c.film_conductance[k]);
-    let wall = tube + share * (t - tube);
-    let taken = c.effectiveness[k] * (wall - air);
-    let carried = c.m_flow_cp * taken;
-    Passing {
-        segment: share * (films * (t - wall) + carried),
-        tube: (1.0 - share) * (films * (tube - wall) + carried),
-        air: air + taken,
     }
 }
 

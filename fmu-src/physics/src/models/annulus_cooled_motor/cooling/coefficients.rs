@@ -11,6 +11,7 @@
 //! air properties at its mean temperature in the gap.
 //! *Source*: (2) Incropera, 7th ed., eq. 8.41; the correlations in `correlations/`.
 
+use super::Conditions;
 use crate::components::housing::SEGMENTS;
 
 /// Coefficients of the air and the coolant, linear in all temperatures.
@@ -47,6 +48,16 @@ pub struct Coefficients {
     pub of_mode: [f64; 2],
 }
 
+/// Heat flows of one segment and its length of tube to the air, W, and the air temperature behind them, K.
+pub struct Passing {
+    /// From the segment.
+    pub segment: f64,
+    /// From the tube.
+    pub tube: f64,
+    /// Temperature of the air behind the segment.
+    pub air: f64,
+}
+
 impl Coefficients {
     /// No heat transfer.
     pub const NONE: Coefficients = Coefficients {
@@ -70,6 +81,35 @@ impl Coefficients {
     #[inline]
     pub fn inlet(&self, ambient: f64) -> f64 {
         self.coolant_inlet.unwrap_or(ambient + self.inlet_rise)
+    }
+
+    /// Heat flows of a segment and its length of tube into the flow, eq. (2); temperatures of segment, tube and flow in K.
+    #[inline]
+    pub fn passing(&self, k: usize, t: f64, tube: f64, air: f64) -> Passing {
+        let (share, films) = (self.share[k], self.film_conductance[k]);
+        let wall = tube + share * (t - tube);
+        let taken = self.effectiveness[k] * (wall - air);
+        let carried = self.m_flow_cp * taken;
+        Passing {
+            segment: share * (films * (t - wall) + carried),
+            tube: (1.0 - share) * (films * (tube - wall) + carried),
+            air: air + taken,
+        }
+    }
+
+    /// Heat flows out of the housing and out of the tube, all segments at the mean temperature, W.
+    pub(super) fn heats(&self, at: &Conditions, n: usize) -> [f64; 2] {
+        let (t, tube, ambient) = (at.surface, at.tube, at.ambient);
+        let mut air = self.inlet(ambient);
+        let [mut from_housing, mut from_tube] = [0.0, self.tube_to_ambient * (tube - ambient)];
+        for k in 0..n {
+            let p = self.passing(k, t, tube, air);
+            let radiated = self.to_tube * (t - tube);
+            from_housing += self.ambient_conductance[k] * (t - ambient) + radiated + p.segment;
+            from_tube += p.tube - radiated;
+            air = p.air;
+        }
+        [from_housing, from_tube]
     }
 
     /// Takes the values of `other` for the first `n` segments.

@@ -21,7 +21,8 @@ pub trait Method: Debug + Sync {
     fn mass(&self, _parameters: &Parameters) -> f64 {
         0.0
     }
-    /// Heat capacity of the tube, J/K; 0 without a tube.
+    /// Heat capacity of the node of the mode (the tube of an annulus), J/K; 0 without a node. The node is a state, and the coefficients may
+    /// depend on its temperature, if and only if this is above 0.
     fn tube_capacity(&self, _parameters: &Parameters) -> f64 {
         0.0
     }
@@ -126,18 +127,20 @@ pub struct Cooling {
     pub segments: usize,
     method: &'static dyn Method,
     gap: Option<Gap>,
+    has_node: bool,
 }
 
 impl Cooling {
     /// The cooling of a motor with a housing of `segments` segments.
     pub fn new(parameters: &Parameters, segments: usize) -> Cooling {
         let method = method(parameters.choices.cooling_mode);
-        Cooling { segments, method, gap: method.gap(parameters) }
+        let has_node = method.tube_capacity(parameters) > 0.0;
+        Cooling { segments, method, gap: method.gap(parameters), has_node }
     }
 
-    /// Whether the coefficients depend on the temperature of a tube.
-    pub fn has_tube(&self) -> bool {
-        self.gap.is_some()
+    /// Whether the mode has a node of its own, on whose temperature the coefficients may depend.
+    pub fn has_node(&self) -> bool {
+        self.has_node
     }
 
     /// Outputs of the mode; see [`Method::show`].

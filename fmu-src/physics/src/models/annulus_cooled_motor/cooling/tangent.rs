@@ -52,13 +52,19 @@ impl Tangent {
         let warmer = Conditions { surface: at.surface + RISE, ..at };
         let mut slope = cooling.coefficients(parameters, &warmer);
         slope.change(&base, -1.0, n);
-        let by_tube = cooling.has_tube().then(|| {
+        let by_tube = cooling.has_node().then(|| {
             let warmer = Conditions { tube: at.tube + reach_tube(&at), ..at };
             let mut slope = cooling.coefficients(parameters, &warmer);
             slope.change(&base, -1.0, n);
             slope
         });
         Tangent { at, base, slope, by_tube, by_command: None }
+    }
+
+    /// The coefficients at the conditions of the evaluation.
+    #[cfg(test)]
+    pub fn base(&self) -> &Coefficients {
+        &self.base
     }
 
     /// Whether the linearization is accurate enough at `now`.
