@@ -190,17 +190,17 @@ impl Network {
 
     /// Evaluates the coefficients at these conditions, and the quantities that depend only on them.
     fn renew(&mut self, parameters: &Parameters, at: Conditions) {
-        self.tangent = Tangent::new(&self.cooling, parameters, at);
+        self.tangent.evaluate(&self.cooling, parameters, at);
         self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
         self.fastest = self.bound();
     }
 
-    fn conditions(&self, inputs: &Inputs, ambient: f64, ahead: f64) -> Conditions {
-        Conditions::of(inputs, self.housing_temperature() + ahead, self.states[TUBE], ambient)
+    fn conditions(&self, inputs: &Inputs, ambient: f64, [housing, tube]: [f64; 2]) -> Conditions {
+        Conditions::of(inputs, self.housing_temperature() + housing, self.states[TUBE] + tube, ambient)
     }
 
-    /// Updates the coefficients to the inputs, with the housing `ahead` kelvin above its present temperature.
-    pub fn refresh(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64, ahead: f64) {
+    /// Updates the coefficients to the inputs, with housing and tube `ahead` kelvin above their present temperatures.
+    pub fn refresh(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64, ahead: [f64; 2]) {
         let at = self.conditions(inputs, ambient, ahead);
         self.from_outside = parameters.effects.housing_heat(at.surface);
         if self.tangent.serves(&at) {
@@ -212,7 +212,7 @@ impl Network {
 
     /// Evaluates the coefficients at the present temperatures by the full equations, independent of the history.
     pub fn evaluate(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64) {
-        let at = self.conditions(inputs, ambient, 0.0);
+        let at = self.conditions(inputs, ambient, [0.0; 2]);
         self.from_outside = parameters.effects.housing_heat(at.surface);
         if self.tangent.at != at {
             self.now = self.cooling.coefficients(parameters, &at);
@@ -223,7 +223,7 @@ impl Network {
     /// Whether the coefficients are those of the full equations at the present temperatures, provided that only
     /// [`evaluate`](Self::evaluate) sets them.
     pub fn is_evaluated_at(&self, inputs: &Inputs, ambient: f64) -> bool {
-        self.tangent.at == self.conditions(inputs, ambient, 0.0)
+        self.tangent.at == self.conditions(inputs, ambient, [0.0; 2])
     }
 
     /// Invalidates the coefficients, so that the next [`refresh`](Network::refresh) evaluates them.
@@ -297,6 +297,11 @@ impl Network {
         mean(&rates[FIRST..FIRST + self.body.segments])
     }
 
+    /// Changes of housing and tube over half a substep of `h` seconds at these derivatives, K.
+    pub fn ahead(&self, rates: &States, h: f64) -> [f64; 2] {
+        [self.housing_rate(rates), rates[TUBE]].map(|rate| 0.5 * h * rate)
+    }
+
     /// Derivative of the rotor temperature in [`rates_now`](Self::rates_now), K/s; without a rotor node that of the housing.
     pub fn rotor_rate(&self, rates: &States) -> f64 {
         if self.body.has(ROTOR) { rates[ROTOR] } else { self.housing_rate(rates) }
@@ -350,7 +355,7 @@ impl Network {
         ambient: f64,
         flows: &Flows,
     ) -> EnergyBalance {
-        let at = &self.conditions(inputs, ambient, 0.0);
+        let at = &self.conditions(inputs, ambient, [0.0; 2]);
         let (outlet, heat) = (flows.outlet, flows.housing_to_air);
         let mut out = without_flow(inputs, ambient);
         self.cooling.show(&Stream { parameters, at, coefficients: &self.now, outlet, heat }, &mut out);

@@ -238,7 +238,7 @@ impl AnnulusCooledMotor {
         let (excess, lags) = (self.mean_excess(h), self.lags_from(time));
         let Some(network) = &mut self.own.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);
-        network.refresh(&self.parameters, &middle, at_middle, 0.0);
+        network.refresh(&self.parameters, &middle, at_middle, [0.0; 2]);
 
         // Friction heat in the network at the start of the substep.
         let (state, split) = (self.own.state, &mut self.own.split);
@@ -254,8 +254,8 @@ impl AnnulusCooledMotor {
         let friction = step.drag_beyond(&state.x, &state.temperature);
         let inflow = network.inflow(t_w, t_core, friction);
         let mut rates = network.rates_now(ambient.start, &inflow);
-        let ahead = 0.5 * h * network.housing_rate(&rates);
-        if ahead.abs() > 1e-4 {
+        let ahead = network.ahead(&rates, h);
+        if ahead.iter().any(|change| change.abs() > 1e-4) {
             network.refresh(p, &middle, at_middle, ahead);
             rates = network.rates_now(ambient.start, &inflow);
         }
@@ -373,7 +373,7 @@ impl AnnulusCooledMotor {
         if self.pre.is_some() {
             network.evaluate(&self.parameters, &self.inputs, ambient);
         } else {
-            network.refresh(&self.parameters, &self.inputs, ambient, 0.0);
+            network.refresh(&self.parameters, &self.inputs, ambient, [0.0; 2]);
         }
     }
 

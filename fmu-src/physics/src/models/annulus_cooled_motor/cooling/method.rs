@@ -30,6 +30,11 @@ pub trait Method: Debug + Sync {
     fn gap(&self, _parameters: &Parameters) -> Option<Gap> {
         None
     }
+    /// Whether the coefficients bend no more over the temperatures than those of natural convection, so that the curvature need not be
+    /// measured at each evaluation: a quarter to a third of the computing time of the coefficients. A test checks it.
+    fn is_smooth(&self) -> bool {
+        false
+    }
     /// Inconsistency between parameters of the mode, in one sentence.
     fn fault(&self, _parameters: &Parameters) -> Option<String> {
         None
@@ -133,7 +138,11 @@ pub struct Cooling {
 impl Cooling {
     /// The cooling of a motor with a housing of `segments` segments.
     pub fn new(parameters: &Parameters, segments: usize) -> Cooling {
-        let method = method(parameters.choices.cooling_mode);
+        Cooling::of(method(parameters.choices.cooling_mode), parameters, segments)
+    }
+
+    /// The same by this method.
+    pub(super) fn of(method: &'static dyn Method, parameters: &Parameters, segments: usize) -> Cooling {
         let has_node = method.tube_capacity(parameters) > 0.0;
         Cooling { segments, method, gap: method.gap(parameters), has_node }
     }
@@ -141,6 +150,11 @@ impl Cooling {
     /// Whether the mode has a node of its own, on whose temperature the coefficients may depend.
     pub fn has_node(&self) -> bool {
         self.has_node
+    }
+
+    /// See [`Method::is_smooth`].
+    pub fn is_smooth(&self) -> bool {
+        self.method.is_smooth()
     }
 
     /// Outputs of the mode; see [`Method::show`].
