@@ -345,6 +345,14 @@ pub trait Group {
     }
 }
 
+/// A struct of variables whose rows have names. Implemented by [`variables!`](crate::variables).
+pub trait Named: Group {
+    /// The rows: an enumeration with the names of the fields.
+    type Row: Copy;
+    /// The row of element `index`; `None` if the table has no such element.
+    fn row(index: usize) -> Option<Self::Row>;
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -19,14 +19,21 @@ fn all_modes() -> impl Iterator<Item = CoolingMode> {
 /// What a mode needs so that the linearized coefficients follow a condition.
 fn remedy(name: &str) -> &'static str {
     match name {
-        "tube" => "`tube` is the temperature of the mode's node: return its heat capacity in Method::tube_capacity",
+        "tube" => {
+            "`tube` is the temperature of the mode's node: return its heat capacity in Method::tube_capacity"
+        }
         "surface" | "ambient" => "the coefficients must be continuous in this temperature",
         _ => "reduce the first change of this input in the list `inputs` of cooling/mod.rs",
     }
 }
 
 /// The coefficients at `now` as the network computes them.
-fn follow(tangent: &mut Tangent, cooling: &Cooling, parameters: &Parameters, now: Conditions) -> Coefficients {
+fn follow(
+    tangent: &mut Tangent,
+    cooling: &Cooling,
+    parameters: &Parameters,
+    now: Conditions,
+) -> Coefficients {
     if !tangent.serves(&now) {
         tangent.evaluate(cooling, parameters, now);
     }
@@ -56,7 +63,8 @@ fn linearized_coefficients_follow_each_condition() {
             for (field, share) in (0..count).flat_map(|k| [1.0, -1.0, 0.1, -0.1, 0.01].map(|s| (k, s))) {
                 let mut now = at;
                 let (name, value) = now.named().swap_remove(field);
-                let temperature = matches!(name, "surface" | "tube" | "ambient" | "coolant_inlet_temperature");
+                let temperature =
+                    matches!(name, "surface" | "tube" | "ambient" | "coolant_inlet_temperature");
                 let change = share * if temperature { 0.2 } else { 0.02 * *value };
                 *value += change;
                 let mut tangent = Tangent::NONE;
@@ -115,7 +123,10 @@ fn the_reach_follows_the_curvature() {
                 sums = [sums[0] + got, sums[1] + want];
             }
             let whole = (sums[0] / sums[1] - 1.0).abs();
-            assert!(worst <= 2.0 * OF_FLOWS && whole <= 0.5 * OF_FLOWS, "{from} to {to}, {steps}: {worst:e} {whole:e}");
+            assert!(
+                worst <= 2.0 * OF_FLOWS && whole <= 0.5 * OF_FLOWS,
+                "{from} to {to}, {steps}: {worst:e} {whole:e}"
+            );
         }
     }
 }
@@ -128,7 +139,9 @@ fn modes_that_are_smooth_bend_as_natural_convection() {
         parameters.choices.cooling_mode = mode;
         let cooling = Cooling::new(&parameters, 3);
         for (command, flow) in [(0.0, 0.0), (0.1, 1e-6), (0.5, 1e-5), (1.0, 1e-4)] {
-            for (surface, share) in [(3.0, 0.2), (10.0, 0.5), (30.0, 0.9), (80.0, 0.4), (200.0, 0.7), (-20.0, 0.5)] {
+            for (surface, share) in
+                [(3.0, 0.2), (10.0, 0.5), (30.0, 0.9), (80.0, 0.4), (200.0, 0.7), (-20.0, 0.5)]
+            {
                 let inputs = Inputs { fan_command: command, coolant_flow_rate: flow, ..Inputs::default() };
                 let at = Conditions::of(&inputs, 298.0 + surface, 298.0 + share * surface, 298.0);
                 let tangent = Tangent::new(&cooling, &parameters, at);
