@@ -19,7 +19,7 @@ mod substep;
 pub use body::{Body, SEGMENTS};
 pub use substep::{Advance, CouplingIntegrals};
 
-use super::cooling::{Coefficients, Conditions, Cooling, Passing, Stream, Tangent, without_flow};
+use super::cooling::{Coefficients, Conditions, Cooling, Passing, Stream, Tangent};
 use super::parameters::Parameters;
 use super::variables::{EnergyBalance, Inputs};
 use crate::runtime::Saved;
@@ -356,9 +356,10 @@ impl Network {
         flows: &Flows,
     ) -> EnergyBalance {
         let at = &self.conditions(inputs, ambient, [0.0; 2]);
-        let (outlet, heat) = (flows.outlet, flows.housing_to_air);
-        let mut out = without_flow(inputs, ambient);
-        self.cooling.show(&Stream { parameters, at, coefficients: &self.now, outlet, heat }, &mut out);
+        let (outlet, heat, to_node) = (flows.outlet, flows.housing_to_air, flows.housing_to_tube);
+        let mut out = EnergyBalance::without_flow(inputs, ambient);
+        self.cooling
+            .show(&Stream { parameters, at, coefficients: &self.now, outlet, heat, to_node }, &mut out);
         out
     }
 

@@ -20,7 +20,7 @@ states! {
         "state.core_temperature" = State::new(705, 805, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of the rotor; constant in cooling_mode conductance
         "state.rotor_temperature" = State::new(706, 806, Unit::Kelvin).nominal(300.0, 0.1),
-        /// Temperature of the tube; constant where there is none
+        /// Temperature of the node of the cooling mode (annulus: the tube); constant in modes without one
         "state.tube_temperature" = State::new(707, 807, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of a lagging housing sensor (effect.housing_sensor_lag); else constant
         "state.sensor_temperature" = State::new(708, 808, Unit::Kelvin).nominal(300.0, 0.1),

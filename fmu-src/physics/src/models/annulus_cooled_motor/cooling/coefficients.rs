@@ -29,9 +29,9 @@ pub struct Coefficients {
     pub m_flow_cp: f64,
     /// Temperature rise of the air before the gap by the fan power, K.
     pub inlet_rise: f64,
-    /// Radiative conductance from each segment to the tube, W/K.
+    /// Conductance from each segment to the node of the mode, W/K; radiation to a tube.
     pub to_tube: f64,
-    /// Conductance from the tube to ambient, W/K.
+    /// Conductance from the node to ambient, W/K.
     pub tube_to_ambient: f64,
     /// Fan power that heats the air of the gap, W.
     pub fan_power: f64,

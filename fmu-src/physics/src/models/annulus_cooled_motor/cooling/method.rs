@@ -6,8 +6,7 @@ use crate::components::annulus::Gap;
 use crate::components::conductance::Conductance;
 use crate::components::housing::StillAir;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
-use crate::models::annulus_cooled_motor::variables::{EnergyBalance, Inputs};
-use declare::Group;
+use crate::models::annulus_cooled_motor::variables::EnergyBalance;
 use std::fmt::Debug;
 
 /// A cooling mode.
@@ -41,7 +40,7 @@ pub trait Method: Debug + Sync {
     }
     /// Adds the heat paths of the lateral surface to coefficients without any.
     fn add(&self, site: &Site, c: &mut Coefficients);
-    /// Fills the outputs of the mode; those of others remain as [`without_flow`].
+    /// Fills the outputs of the mode; those of others remain as [`EnergyBalance::without_flow`].
     fn show(&self, stream: &Stream, out: &mut EnergyBalance) {
         let Stream { at, coefficients: c, outlet, .. } = *stream;
         out.air_outlet_temperature = at.ambient + c.behind * (outlet - at.ambient);
@@ -62,15 +61,8 @@ pub struct Stream<'a> {
     pub outlet: f64,
     /// Heat flow from the housing to the flow, W.
     pub heat: f64,
-}
-
-/// Outputs of the cooling without a flow; 0 where none is stated.
-pub fn without_flow(inputs: &Inputs, ambient: f64) -> EnergyBalance {
-    EnergyBalance {
-        air_outlet_temperature: ambient,
-        coolant_outlet_temperature: inputs.coolant_inlet_temperature,
-        ..EnergyBalance::zero()
-    }
+    /// Heat flow from the housing to the node of the mode, W.
+    pub to_node: f64,
 }
 
 /// Mass of the motor including the parts that its cooling mode adds, kg.

@@ -12,7 +12,7 @@ mod tests;
 mod water_jacket;
 
 pub use coefficients::{Coefficients, Passing};
-pub use method::{Cooling, Method, Site, Stream, mass, without_flow};
+pub use method::{Cooling, Method, Site, Stream, mass};
 pub use tangent::Tangent;
 
 use super::variables::Inputs;

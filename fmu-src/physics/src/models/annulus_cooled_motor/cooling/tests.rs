@@ -3,8 +3,8 @@
 use super::tangent::{RISE, TOLERANCE as OF_FLOWS};
 use super::{Coefficients, Conditions, Cooling, CoolingMode, Method, Site, Tangent, method};
 use crate::models::annulus_cooled_motor::parameters::Parameters;
-use crate::models::annulus_cooled_motor::variables::Inputs;
-use declare::Scalar;
+use crate::models::annulus_cooled_motor::variables::{EnergyBalance, Inputs};
+use declare::{Group, Scalar, Unit};
 
 /// Permitted error of the heat flows after a change of one condition, as a fraction of the larger flow. Measured: 5e-5 for the inlet
 /// temperature of a coolant, 4e-4 for a tube whose temperature is no condition.
@@ -156,5 +156,17 @@ fn modes_that_are_smooth_bend_as_natural_convection() {
                 );
             }
         }
+    }
+}
+
+#[test]
+fn outputs_of_other_modes_are_no_temperature_of_0_kelvin() {
+    let shown = EnergyBalance::without_flow(&Inputs::default(), 300.0);
+    for (row, variable) in EnergyBalance::TABLE.iter().enumerate() {
+        assert!(
+            variable.unit != Unit::Kelvin || variable.relative || shown.get(row) > 100.0,
+            "{} is 0 K in the cooling modes that do not compute it: add it to EnergyBalance::without_flow in variables.rs",
+            variable.name
+        );
     }
 }
