@@ -8,7 +8,7 @@ use super::state_list::{ALL, STATES, is_coupled};
 use super::variables::{DriveMode, EnergyBalance, Indicators, Inputs, MechanicalMode, Outputs};
 use crate::components::commutation::{Commutation, Phases};
 use crate::components::validity::Extremes;
-use crate::effects::{PerNode, Port};
+use crate::effects::{EffectPort, PerNode};
 use crate::exchange::is_above;
 use crate::line::Line;
 use crate::model::{Declaration, Declared, Fault, HousingHeat};
@@ -267,7 +267,7 @@ impl Equations<ALL> for Motor {
             Output::shaft_angle => Some(state.angle),
             Output::shaft_speed => Some(state.x[1]),
             sensor @ (Output::winding_temperature | Output::housing_temperature)
-                if !effects.acts_at(Port::Any) =>
+                if !effects.acts_at(EffectPort::Any) =>
             {
                 let ambient = run.ambient(run.time).start;
                 Some(match sensor {

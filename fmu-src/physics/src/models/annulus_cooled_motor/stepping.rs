@@ -12,7 +12,7 @@ use super::parameters::Parameters;
 use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;
-use crate::effects::{PerNode, Port};
+use crate::effects::{EffectPort, PerNode};
 use crate::line::Line;
 use crate::model::Fault;
 use crate::runtime::Halt;
@@ -63,7 +63,7 @@ impl AnnulusCooledMotor {
         if let Some(fault) = &self.own.fault {
             return Err(Halt::Fault(Fault(fault.clone())));
         }
-        if !self.parameters.effects.acts_at(Port::Any) {
+        if !self.parameters.effects.acts_at(EffectPort::Any) {
             self.follow_capacity();
             return self.take_substeps(time, h);
         }
@@ -123,7 +123,7 @@ impl AnnulusCooledMotor {
     #[inline]
     pub(super) fn take_substeps(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let effects = &self.parameters.effects;
-        let lagging = (effects.acts_at(Port::Any) && effects.has_lags()).then(|| self.lag_start(h));
+        let lagging = (effects.acts_at(EffectPort::Any) && effects.has_lags()).then(|| self.lag_start(h));
         if self.own.network.is_some() {
             self.advance_in_pieces(time, h)?;
         } else if self.own.constants.are_plain(&self.slopes) {
