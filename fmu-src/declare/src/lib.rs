@@ -13,6 +13,6 @@ mod variable;
 mod variables;
 
 pub use enumeration::{Enumeration, Item};
-pub use state::{Elements, State};
+pub use state::{Elements, State, index_of};
 pub use unit::{BaseUnits, Display, Unit};
-pub use variable::{Causality, Group, Kind, Scalar, Scale, Variability, Variable};
+pub use variable::{Causality, Group, Kind, Named, Scalar, Scale, Variability, Variable};

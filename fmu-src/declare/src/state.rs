@@ -87,6 +87,31 @@ impl State {
     }
 }
 
+/// Index of a state among all states of a list, or of the first element of an array, by name.
+///
+/// # Panics
+/// If the list has no such state: at compile time in a constant.
+pub const fn index_of(list: &[State], name: &str) -> usize {
+    let (mut row, mut index) = (0, 0);
+    while row < list.len() {
+        if is_same(list[row].value.name, name) {
+            return index;
+        }
+        index += list[row].elements.most() as usize;
+        row += 1;
+    }
+    panic!("no state has this name")
+}
+
+const fn is_same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut k = 0;
+    while k < a.len() && k < b.len() && a[k] == b[k] {
+        k += 1;
+    }
+    k == a.len() && k == b.len()
+}
+
 /// Declares the continuous states of a model; name, unit and description of the derivatives are derived.
 ///
 /// ```
@@ -100,6 +125,7 @@ impl State {
 /// }
 /// assert_eq!((STATES[0].value.name, STATES[0].rate.name), ("state.angle", "der(state.angle)"));
 /// assert_eq!(STATES[0].rate.unit, Unit::RadianPerSecond);
+/// assert_eq!(declare::index_of(STATES, "state.angle"), 0);
 /// ```
 #[macro_export]
 macro_rules! states {

@@ -135,6 +135,9 @@ pub struct Variable {
     /// For the initial temperature of a node, whose name is that of the output: outputs at whose measured temperature it starts if its own
     /// is not measured, the nearest first.
     pub near: &'static [&'static str],
+    /// For an output that is the temperature of a node: name of the node's initial temperature without `initial.`, if it is not that of the
+    /// output; else empty.
+    pub node: &'static str,
 }
 
 impl Variable {
@@ -165,6 +168,7 @@ impl Variable {
             doc: "",
             source: "",
             near: &[],
+            node: "",
         }
     }
 
@@ -249,6 +253,12 @@ impl Variable {
     /// With a nominal value.
     pub const fn nominal(mut self, nominal: f64) -> Variable {
         self.nominal = nominal;
+        self
+    }
+
+    /// An output that is the temperature of this node; see [`node`](Variable::node).
+    pub const fn of_node(mut self, node: &'static str) -> Variable {
+        self.node = node;
         self
     }
 
@@ -343,6 +353,14 @@ pub trait Group {
         }
         moved
     }
+}
+
+/// A struct of variables whose rows have names. Implemented by [`variables!`](crate::variables).
+pub trait Named: Group {
+    /// The rows: an enumeration with the names of the fields.
+    type Row: Copy;
+    /// The row of element `index`; `None` if the table has no such element.
+    fn row(index: usize) -> Option<Self::Row>;
 }
 
 #[cfg(test)]

@@ -15,6 +15,17 @@
 /// assert_eq!(Resistor::TABLE[0].name, "R");
 /// assert_eq!(Resistor::TABLE[0].doc.trim(), "Resistance");
 /// ```
+///
+/// The rows by name ([`Named`](crate::Named)):
+///
+/// ```
+/// # use declare::{variables, Named, Unit, Variable};
+/// # variables! { /// A resistor.
+/// # pub struct Resistor { /// Resistance
+/// # R: f64 = Variable::tunable(1, 10.0, Unit::Ohm, 0.0, 1e6), } }
+/// type Row = <Resistor as Named>::Row;
+/// assert!(matches!(Resistor::row(0), Some(Row::R)) && Resistor::row(1).is_none());
+/// ```
 #[macro_export]
 macro_rules! variables {
     ($(#[doc = $sdoc:literal])* pub struct $name:ident {
@@ -27,7 +38,18 @@ macro_rules! variables {
 
         const _: () = {
             #[allow(non_camel_case_types)]
-            enum Row { $($field),* }
+            #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+            pub enum Row { $($field),* }
+
+            impl $crate::Named for $name {
+                type Row = Row;
+
+                #[inline(always)]
+                fn row(index: usize) -> Option<Row> {
+                    $(if index == Row::$field as usize { return Some(Row::$field); })*
+                    None
+                }
+            }
 
             impl $crate::Group for $name {
                 const TABLE: &'static [$crate::Variable] = &[$(

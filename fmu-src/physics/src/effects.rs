@@ -87,7 +87,7 @@ pub use crate::number::Number;
 use crate::ports::ports;
 use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS};
 use num_dual::Dual64;
-pub use ports::{Acts, Effect, IMMINENT, PerNode, Port, Ports, Stator};
+pub use ports::{Acts, Effect, EffectPort, IMMINENT, PerNode, Ports, Stator};
 
 /// What the files of the effects use.
 mod prelude {
@@ -116,8 +116,8 @@ macro_rules! effects {
 
         impl Effects {
             /// The variables of effects at ports that a model does not support: `reason` says why, and what to use instead.
-            pub fn unserved(reason: impl Fn(Port) -> Option<&'static str>) -> Vec<Unserved> {
-                let effects = [$(($prefix, Port::$port)),*];
+            pub fn unserved(reason: impl Fn(EffectPort) -> Option<&'static str>) -> Vec<Unserved> {
+                let effects = [$(($prefix, EffectPort::$port)),*];
                 let unserved = |(start, port)| reason(port).map(|reason| Unserved { start, reason });
                 effects.into_iter().filter_map(unserved).collect()
             }
@@ -134,8 +134,8 @@ macro_rules! effects {
             /// Whether any effect at `port` is on, so that a step can skip inactive ports. Inlined, so that for a constant port only its
             /// own effects are checked.
             #[inline(always)]
-            pub fn acts_at(&self, port: Port) -> bool {
-                false $(|| (matches!(Port::$port, p if p == port || p == Port::Any) && self.$id.is_on()))*
+            pub fn acts_at(&self, port: EffectPort) -> bool {
+                false $(|| (matches!(EffectPort::$port, p if p == port || p == EffectPort::Any) && self.$id.is_on()))*
             }
 
             /// Whether any effect is on.

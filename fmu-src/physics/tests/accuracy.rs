@@ -93,6 +93,11 @@ fn the_callers_step_does_not_matter() {
     }
 }
 
+/// What to do where an effect has a too large error.
+const REMEDY: &str = "A value is constant over a step. An effect of drag, voltage, resistance or torque constant that depends on a \
+    temperature or on another driver uses a port that gets all drivers (driven_drag, driven_voltage, ...). set_drivers with `at Any` is \
+    for quantities that change little within a step (docs/extending.md, \"Add an effect\").";
+
 /// Effects that a run without a network compares: each of the table alone, then all together. The list is that of the
 /// declaration, so that none is omitted. The stator node is not among the states of `Step::rates` (`network.rs` compares it);
 /// terms come from a file (`terms.rs`), and what follows its driver in the middle of a step as they do is compared in
@@ -136,7 +141,7 @@ fn every_effect_follows_its_inputs_within_a_step() {
             for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
                 let stop = if name == "all" { 0.5 } else { 0.1 };
                 let error = with_effects(drive, mechanical, effects, (stop, 1e-2));
-                assert!(error.worst() <= 1e-5, "{name} {drive:?} {mechanical:?}: {error}");
+                assert!(error.worst() <= 1e-5, "{name} {drive:?} {mechanical:?}: {error}\n{REMEDY}");
             }
         }
     }
@@ -149,7 +154,7 @@ fn all_effects_on_ramps_in_every_mode() {
     for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
         for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
             let error = with_effects(drive, mechanical, effects, (0.5, 1e-3));
-            assert!(error.worst() <= 1e-6, "{drive:?} {mechanical:?}: {error}");
+            assert!(error.worst() <= 1e-6, "{drive:?} {mechanical:?}: {error}\n{REMEDY}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The energy books, instantaneous and integrated, in every mode.
 
-use crate::common::{friction, motor};
+use crate::common::{cooling_modes, friction, motor};
 use physics::declare::{Causality, Kind};
 use physics::effects::Effects;
 use physics::model::{Entry, Model};
@@ -301,7 +301,7 @@ fn extreme(entry: &Entry) -> f64 {
 #[test]
 fn an_effect_that_is_off_is_not_there() {
     for drive in DRIVES {
-        for cooling in [CoolingMode::Conductance, CoolingMode::AnnulusPush] {
+        for cooling in cooling_modes() {
             let modes = (drive, MechanicalMode::FreeShaft);
             let others = bits(modes, cooling, |e| (!is_switch(e)).then(|| extreme(e)));
             assert_eq!(bits(modes, cooling, |_| None), others, "{drive:?} {cooling:?}");

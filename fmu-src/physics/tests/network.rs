@@ -1,6 +1,6 @@
 //! The network of rotor, housing segments and tube in every mode of cooling: books, accuracy, grid, rollback.
 
-use crate::common::{cooling_modes, motor};
+use crate::common::{motor, network_modes as modes};
 use declare::Group;
 use physics::components::commutation::Commutation;
 use physics::effects::Effects;
@@ -10,11 +10,6 @@ use physics::models::annulus_cooled_motor::network::{Body, Network};
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, CoolingMode, DriveMode, EnergyBalance, Inputs, MechanicalMode, Outputs,
 };
-
-/// The modes with a network.
-fn modes() -> impl Iterator<Item = CoolingMode> {
-    cooling_modes().filter(|mode| *mode != CoolingMode::Conductance)
-}
 
 /// 10 W in the winding of a motor at rest, the fan at full speed: the thesis's experiment.
 fn stalled(mode: CoolingMode) -> AnnulusCooledMotor {
@@ -230,7 +225,7 @@ fn a_warm_up_agrees_with_the_equations_written_out() {
 #[test]
 fn a_fan_that_ramps_agrees_with_the_equations_written_out() {
     let command = |t: f64| if t < 60.0 { 0.1 + 0.8 * t / 60.0 } else { 0.9 - 0.9 * (t - 60.0) / 60.0 };
-    for mode in [CoolingMode::FanCrossflow, CoolingMode::AnnulusPush, CoolingMode::AnnulusPull] {
+    for mode in modes() {
         let mut m = stalled(mode);
         m.inputs.fan_command = command(0.0);
         m.inputs.electrical_power = 40.0;
@@ -483,10 +478,9 @@ fn finite_at_the_limits_of_the_inputs() {
                 let ended = (0..5).any(|k| m.step(10.0 * f64::from(k), 10.0).is_err());
                 assert_eq!(ended, m.ended(), "{mode:?} {ambient} {pressure} {command}");
                 let o = outputs(&mut m);
-                let coldest = match mode {
-                    CoolingMode::WaterJacket => ambient.min(m.inputs.coolant_inlet_temperature),
-                    _ => ambient,
-                };
+                let at = Conditions::of(&m.inputs, ambient, ambient, ambient);
+                let coolant = Cooling::new(&m.parameters, 1).coefficients(&m.parameters, &at).coolant_inlet;
+                let coldest = ambient.min(coolant.unwrap_or(ambient));
                 assert!(o.winding_temperature.is_finite() && o.winding_temperature > coldest);
                 assert_eq!(ended, m.time() < 50.0 && o.winding_temperature > 543.0);
                 assert!(o.over_temperature == (o.winding_temperature > 428.15));

@@ -31,7 +31,6 @@ fn assert_rates(model: &mut dyn Model, what: &str) {
 
 #[test]
 fn rates_are_what_steps_do() {
-    let mut cases = 0;
     for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
         for coupling in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
             for cooling in cooling_modes() {
@@ -63,12 +62,10 @@ fn rates_are_what_steps_do() {
                     m.states(&mut again);
                     assert_eq!(states, again, "{what}");
                     assert_rates(&mut m, &what);
-                    cases += 1;
                 }
             }
         }
     }
-    assert_eq!(cases, 96);
 }
 
 #[test]

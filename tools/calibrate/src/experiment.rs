@@ -3,6 +3,7 @@
 mod channel;
 mod clock;
 mod columns;
+mod settings;
 mod shared_rows;
 mod stamp;
 mod table;
@@ -12,9 +13,10 @@ pub use channel::{CELSIUS, CHANNELS, Channel};
 pub use table::Table;
 
 use crate::CalibrateError;
-use physics::declare::{Causality, Kind};
-use physics::model::{Declaration, Entry, ModelType};
+use physics::declare::Kind;
+use physics::model::{Declaration, ModelType};
 use serde::Deserialize;
+use settings::{parameter, settings};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::{Spanned, Value};
@@ -232,7 +234,7 @@ impl Experiment {
         }
         let mapped = columns::read(&document.columns, &place)?;
         let mut set = modes(&inputs, declaration);
-        set.extend(settings(&document.set, declaration, &place)?);
+        set.extend(settings(&document.set, &inputs, declaration, &place)?);
         let priors = priors_of(&document.prior, declaration, &place)?;
         let all: Vec<&'static Channel> = inputs.iter().chain(&outputs).copied().collect();
         let mut noise = BTreeMap::new();
@@ -260,7 +262,7 @@ impl Experiment {
             let path = folder.join(&run.file);
             let blank = not_measured(&run.not_measured, &all[inputs.len()..], &run.file, &place)?;
             let table = Table::read(&path, &all, &mapped, &blank)?;
-            let set = settings(&run.set, declaration, &place)?;
+            let set = settings(&run.set, &inputs, declaration, &place)?;
             let own = priors_of(&run.prior, declaration, &place)?;
             for name in run.set.keys().chain(run.prior.keys()) {
                 if priors.iter().any(|p| p.name == *name.get_ref()) {
@@ -428,20 +430,6 @@ fn not_measured(
     names.iter().map(one).collect()
 }
 
-/// Start values of a table: name and value.
-fn settings(
-    table: &BTreeMap<Spanned<String>, Value>,
-    declaration: &Declaration,
-    place: &Place,
-) -> Result<Vec<(String, f64)>, CalibrateError> {
-    let one = |(name, value)| {
-        let entry = parameter(name, declaration, place)?;
-        let number = number(entry, value).map_err(|m| place.at(name.span().start, &m))?;
-        Ok((entry.name.clone(), number))
-    };
-    table.iter().map(one).collect()
-}
-
 /// Modes of the model that follow from the input columns.
 fn modes(inputs: &[&'static Channel], declaration: &Declaration) -> Vec<(String, f64)> {
     let has = |column: &str| inputs.iter().any(|c| c.column == column);
@@ -461,36 +449,6 @@ fn modes(inputs: &[&'static Channel], declaration: &Declaration) -> Vec<(String,
             Some((name.to_string(), f64::from(item.value)))
         })
         .collect()
-}
-
-fn parameter<'a>(
-    name: &Spanned<String>,
-    declaration: &'a Declaration,
-    place: &Place,
-) -> Result<&'a Entry, CalibrateError> {
-    declaration.by_name(name.get_ref()).filter(|e| e.row.causality == Causality::Parameter).ok_or_else(|| {
-        let known = name.get_ref();
-        let unknown = || format!("{known} is no parameter of {}", declaration.name);
-        place.at(name.span().start, &declaration.unserved(known).unwrap_or_else(unknown))
-    })
-}
-
-/// The value as a number within the parameter's limits; otherwise a one-sentence error.
-fn number(entry: &Entry, value: &Value) -> Result<f64, String> {
-    let number = match (value, entry.row.kind) {
-        (Value::String(item), Kind::Enumeration(table)) => {
-            let found = table.items.iter().find(|i| i.name == item);
-            let names = || table.items.iter().map(|i| i.name).collect::<Vec<_>>().join(", ");
-            let item = found.ok_or_else(|| format!("{} = {item} is none of {}", entry.name, names()))?;
-            f64::from(item.value)
-        }
-        (Value::Float(x), _) => *x,
-        (Value::Integer(x), _) => *x as f64,
-        (Value::Boolean(x), Kind::Boolean) => f64::from(u8::from(*x)),
-        (other, _) => return Err(format!("{} = {other} is not a number", entry.name)),
-    };
-    entry.check(number, false).map_err(|refusal| entry.explain(number, &refusal))?;
-    Ok(number)
 }
 
 #[cfg(test)]

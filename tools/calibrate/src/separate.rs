@@ -70,7 +70,7 @@ fn readings(setup: &Setup) -> Vec<Reading> {
     let declaration = setup.bench.declaration();
     let measured = |c: &Channel| setup.experiment.outputs.iter().position(|o| o.column == c.column);
     let driven = |c: &Channel| setup.experiment.inputs.iter().any(|i| i.column == c.column);
-    let channels = CHANNELS.iter().filter(|c| !driven(c)).filter_map(|c| {
+    let channels = CHANNELS.iter().filter(|c| c.is_usual && !driven(c)).filter_map(|c| {
         let slot = declaration.by_name(c.output?)?.slot;
         let noise = measured(c).map(|output| setup.sigma(output));
         Some(Reading { name: c.column, slot, noise, is_temperature: c.is_temperature() })

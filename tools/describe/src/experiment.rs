@@ -310,6 +310,23 @@ mod tests {
         }
     }
 
+    /// The default motor in every cooling mode: a current at a driven shaft warms the winding.
+    #[test]
+    fn every_cooling_mode_responds() {
+        let kind = models::by_name("AnnulusCooledMotor").unwrap();
+        let entry = |name: &str| (kind.declaration)().by_name(name).unwrap();
+        let Kind::Enumeration(modes) = entry("cooling_mode").row.kind else { unreachable!() };
+        for mode in modes.items {
+            let mut starts = StartValues::default();
+            for (name, item) in [("drive_mode", 3), ("mechanical_mode", 2), ("cooling_mode", mode.value)] {
+                starts.set(entry(name), f64::from(item));
+            }
+            let (starts, experiment) = planned(kind, &starts);
+            let [first, farthest] = run(kind, &starts, experiment, "winding_temperature");
+            assert!(farthest - first > 1.0, "{}: {first} {farthest}", mode.name);
+        }
+    }
+
     /// Every built-in preset of a motor in several drives, shafts and coolings: a voltage and a current turn a free shaft; else the winding
     /// warms in the first run and keeps a part of its margin in three hours. What loads and what cools stays 0.
     #[test]

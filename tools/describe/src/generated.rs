@@ -56,8 +56,8 @@ pub fn stale(folder: &Path, determine: Determine) -> Result<Vec<PathBuf>, Genera
 }
 
 /// Writes all files.
-pub fn write(folder: &Path) -> Result<(), GenerateError> {
-    for (path, text) in files(folder, Dependencies::of_all)? {
+pub fn write(folder: &Path, determine: Determine) -> Result<(), GenerateError> {
+    for (path, text) in files(folder, determine)? {
         let home = path.parent().unwrap_or(folder);
         fs::create_dir_all(home)
             .and_then(|()| fs::write(&path, text))

@@ -128,15 +128,15 @@ macro_rules! define {
 
         /// Where an effect acts: the ports of [`Effect`].
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum Port {
+        pub enum EffectPort {
             /// Any port: data decide where it acts, or the effect depends on drivers ([`set_drivers`](Effect::set_drivers)).
             Any,
             $($(#[doc = concat!("Port of [`", stringify!($name), "`](Effect::", stringify!($name), ").")] $port,)?)*
         }
 
-        impl Port {
-            /// All ports except [`Any`](Port::Any).
-            pub const ALL: &'static [Port] = &[$($(Port::$port,)?)*];
+        impl EffectPort {
+            /// All ports except [`Any`](EffectPort::Any).
+            pub const ALL: &'static [EffectPort] = &[$($(EffectPort::$port,)?)*];
         }
 
         /// The ports at which any effect acts.
@@ -146,24 +146,24 @@ macro_rules! define {
         impl Acts {
             /// The ports at which these effects act.
             pub fn of(effects: &Effects) -> Acts {
-                let bit = |port: Port| u32::from(effects.acts_at(port)) << port as u32;
-                Acts(Port::ALL.iter().fold(0, |all, port| all | bit(*port)))
+                let bit = |port: EffectPort| u32::from(effects.acts_at(port)) << port as u32;
+                Acts(EffectPort::ALL.iter().fold(0, |all, port| all | bit(*port)))
             }
 
             /// The same ports without one.
-            pub fn without(self, port: Port) -> Acts {
+            pub fn without(self, port: EffectPort) -> Acts {
                 Acts(self.0 & !(1 << port as u32))
             }
 
             /// This port alone, if any effect acts there.
             #[inline(always)]
-            pub fn only(self, port: Port) -> Acts {
+            pub fn only(self, port: EffectPort) -> Acts {
                 Acts(self.0 & 1 << port as u32)
             }
 
             /// Whether any effect acts at this port.
             #[inline(always)]
-            pub fn at(self, port: Port) -> bool {
+            pub fn at(self, port: EffectPort) -> bool {
                 self.0 >> port as u32 & 1 != 0
             }
         }
@@ -183,7 +183,7 @@ macro_rules! define {
             /// Reciprocal of the factor on the thermal resistance from winding to housing.
             #[inline]
             pub fn winding_housing_conductance(&self, t_w: f64) -> f64 {
-                if self.acts.at(Port::WindingHousingResistance) { 1.0 / self.winding_housing_resistance(t_w) } else { 1.0 }
+                if self.acts.at(EffectPort::WindingHousingResistance) { 1.0 / self.winding_housing_resistance(t_w) } else { 1.0 }
             }
         }
     };
@@ -199,7 +199,7 @@ macro_rules! active {
         #[doc = concat!("[`", stringify!($name), "`](Effect::", stringify!($name), ").")]
         #[inline]
         pub fn $name(&self, $($argument: $type),*) -> $result {
-            if self.acts.at(Port::$port) { self.effects.$name($($argument),*) } else { inactive!($rule ($($argument),*)) }
+            if self.acts.at(EffectPort::$port) { self.effects.$name($($argument),*) } else { inactive!($rule ($($argument),*)) }
         }
     };
     ([$port:ident] $rule:ident $name:ident ($($argument:ident : $type:ty),*) -> $result:ty, derivative [$slope:ident]) => {
@@ -208,7 +208,7 @@ macro_rules! active {
         #[doc = concat!("Derivative of [`", stringify!($name), "`](Effect::", stringify!($name), ").")]
         #[inline]
         pub fn $slope(&self, $($argument: $type),*) -> f64 {
-            if self.acts.at(Port::$port) { self.effects.$slope($($argument),*) } else { 0.0 }
+            if self.acts.at(EffectPort::$port) { self.effects.$slope($($argument),*) } else { 0.0 }
         }
     };
 }

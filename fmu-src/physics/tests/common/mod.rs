@@ -4,6 +4,7 @@ use declare::{Group, Scalar};
 use physics::effects::*;
 use physics::load_table::LoadTable;
 use physics::model::{Model, Slot};
+use physics::models::annulus_cooled_motor::cooling::method;
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, CoolingMode, DriveMode, Inputs, MechanicalMode, STATES, Step,
 };
@@ -27,6 +28,11 @@ pub fn motor(drive: DriveMode, mechanical: MechanicalMode) -> AnnulusCooledMotor
 /// All modes of cooling.
 pub fn cooling_modes() -> impl Iterator<Item = CoolingMode> {
     (1..).map_while(|value| CoolingMode::from_f64(f64::from(value)))
+}
+
+/// Those with a thermal network.
+pub fn network_modes() -> impl Iterator<Item = CoolingMode> {
+    cooling_modes().filter(|mode| method(*mode).has_network())
 }
 
 /// Dry friction of this torque, N.m.

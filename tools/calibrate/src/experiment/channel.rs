@@ -1,14 +1,17 @@
 //! Columns of a bench file: name, unit, and the corresponding variable of the model.
 //!
+//! Every continuous input and output of a model is a column, by its name and unit: `coolant_flow_rate_m3_per_s`. The list [`USUAL`] has
+//! the columns of the contract, whose names differ from this or which join an input and an output.
+//!
 //! A column may be listed more than once if models name its variable differently; the first entry that matches the
 //! model is used. The order matters: `power_electrical` is the power at the terminals in one motor model and the copper loss
 //! alone in the other, so `supply_power` is listed first.
 
-use physics::declare::{Causality, Unit};
+use physics::declare::{Causality, Kind, Unit, Variability, Variable};
 use physics::model::{Declaration, Entry};
 use physics::models::ALL;
 use physics::terms::Driver;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 /// A quantity recorded by the bench and its column in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +26,8 @@ pub struct Channel {
     pub output: Option<&'static str>,
     /// Added to the file's number to convert to SI units.
     pub offset: f64,
+    /// Whether benches usually record it: proposed experiments and lists of columns have only these.
+    pub is_usual: bool,
 }
 
 impl Channel {
@@ -66,13 +71,13 @@ impl Channel {
         CHANNELS.iter().filter(|c| has(model, c.output, Causality::Output))
     }
 
-    /// The output that the channel measures, if it is the temperature of a node: a temperature with an initial value.
+    /// The node whose temperature the channel measures, by the name of its initial temperature: that which the output states, or that
+    /// with the name of the output.
     pub fn node(&self) -> Option<&'static str> {
-        let is_initial = |e: &Entry, output: &str| e.name.strip_prefix("initial.") == Some(output);
-        let is_node = |output: &&str| {
-            ALL.iter().any(|m| (m.declaration)().entries.iter().any(|e| is_initial(e, output)))
-        };
-        self.output.filter(|output| self.is_temperature() && is_node(output))
+        let output = self.output.filter(|_| self.is_temperature())?;
+        ALL.iter()
+            .map(|model| (model.declaration)())
+            .find_map(|model| node_of(model, model.by_name(output)?.row))
     }
 
     /// The channel that measures a driver of terms, if the bench has a sensor for it.
@@ -93,6 +98,13 @@ impl Channel {
     }
 }
 
+/// The node of a model whose temperature an output is.
+fn node_of(model: &Declaration, output: &'static Variable) -> Option<&'static str> {
+    let node = if output.node.is_empty() { output.name } else { output.node };
+    let is_initial = |e: &Entry| e.name.strip_prefix("initial.") == Some(node);
+    model.entries.iter().any(is_initial).then_some(node)
+}
+
 /// Whether the model has this variable with this causality.
 fn has(model: &Declaration, name: Option<&str>, causality: Causality) -> bool {
     name.and_then(|name| model.by_name(name)).is_some_and(|entry| entry.row.causality == causality)
@@ -109,11 +121,64 @@ const fn channel(
 ) -> Channel {
     // Temperatures are in degC in files.
     let offset = if matches!(unit, Unit::Kelvin) { CELSIUS } else { 0.0 };
-    Channel { column, unit, input, output, offset }
+    Channel { column, unit, input, output, offset, is_usual: true }
 }
 
-/// Every column that a file may have in addition to `time_s`.
-pub const CHANNELS: &[Channel] = &[
+/// Every column that a file may have in addition to `time_s`: the usual ones, then the other inputs and outputs of the models.
+pub static CHANNELS: LazyLock<Vec<Channel>> = LazyLock::new(|| {
+    let mut all = USUAL.to_vec();
+    for model in ALL.iter().map(|model| (model.declaration)()) {
+        for entry in model.entries.iter().filter(|entry| is_recordable(entry)) {
+            let name = entry.row.name;
+            let [input, output] = [Causality::Input, Causality::Output]
+                .map(|causality| (entry.row.causality == causality).then_some(name));
+            let is_known = |known: &Channel| {
+                let is_first = |role: fn(&Channel) -> Option<&'static str>, causality| {
+                    let of_column = |c: &&Channel| c.column == known.column && has(model, role(c), causality);
+                    role(known) == Some(name) && all.iter().find(of_column) == Some(known)
+                };
+                input.is_some() && is_first(|c| c.input, Causality::Input)
+                    || output.is_some() && is_first(|c| c.output, Causality::Output)
+            };
+            if all.iter().any(is_known) {
+                continue;
+            }
+            let column = format!("{name}_{}", suffix(entry.row.unit));
+            // An output of one model can be an input of another, and models share variables.
+            match all.iter_mut().find(|c| c.column == column) {
+                Some(known) => (known.input, known.output) = (known.input.or(input), known.output.or(output)),
+                // Allocated once and kept until the program ends.
+                None => {
+                    let column = Box::leak(column.into_boxed_str());
+                    all.push(Channel { is_usual: false, ..channel(column, entry.row.unit, input, output) });
+                }
+            }
+        }
+    }
+    all
+});
+
+/// Whether a file can have a column for a variable: continuous inputs and outputs, but no differences to a limit.
+fn is_recordable(entry: &Entry) -> bool {
+    let row = entry.row;
+    let is_port = matches!(row.causality, Causality::Input | Causality::Output);
+    is_port
+        && row.variability == Variability::Continuous
+        && row.kind == Kind::Real
+        && entry.element.is_none()
+        && !row.relative
+}
+
+/// The unit at the end of a column.
+pub(super) fn suffix(unit: Unit) -> String {
+    match unit {
+        Unit::Kelvin => "degC".to_string(),
+        other => other.name().replace('/', "_per_").replace('.', ""),
+    }
+}
+
+/// The usual columns.
+const USUAL: &[Channel] = &[
     channel("voltage_V", Unit::Volt, Some("voltage"), Some("terminal_voltage")),
     channel("voltage_V", Unit::Volt, None, Some("voltage")),
     channel("supply_voltage_V", Unit::Volt, Some("supply_voltage"), None),
@@ -146,18 +211,13 @@ mod tests {
     /// Every column refers to variables that exist in a model, with the right causality and the unit of its name.
     #[test]
     fn columns_are_variables_of_a_model() {
-        for channel in CHANNELS {
+        for channel in CHANNELS.iter() {
             let mut found = 0;
             for model in physics::models::ALL.iter().map(|m| (m.declaration)()) {
                 for name in [channel.input, channel.output].into_iter().flatten() {
                     let Some(entry) = model.by_name(name) else { continue };
-                    let unit = match entry.row.unit {
-                        Unit::Kelvin => "degC",
-                        Unit::NewtonMetre => "Nm",
-                        Unit::RadianPerSecond => "rad_per_s",
-                        other => other.name(),
-                    };
-                    assert!(channel.column.ends_with(unit), "{} and {unit}", channel.column);
+                    let unit = suffix(entry.row.unit);
+                    assert!(channel.column.ends_with(&unit), "{} and {unit}", channel.column);
                     assert_eq!(channel.unit, entry.row.unit, "{}", channel.column);
                     assert_ne!(channel.quantity(), channel.column);
                     found += 1;
@@ -166,6 +226,43 @@ mod tests {
             let roles = [channel.input, channel.output].into_iter().flatten().count();
             assert!(roles > 0 && found >= roles, "{}", channel.column);
         }
+    }
+
+    /// What a bench of any model can drive or measure is a column, whose unit a file can state.
+    #[test]
+    fn every_continuous_input_and_output_is_a_column() {
+        for model in physics::models::ALL.iter().map(|m| (m.declaration)()) {
+            for entry in model.entries.iter().filter(|entry| is_recordable(entry)) {
+                let (name, is_input) = (entry.row.name, entry.row.causality == Causality::Input);
+                let channel = if is_input {
+                    Channel::inputs_of(model).find(|c| c.input == Some(name))
+                } else {
+                    Channel::outputs_of(model).find(|c| c.output == Some(name))
+                };
+                let channel = channel.unwrap_or_else(|| panic!("{}: {name} is no column", model.name));
+                assert!(crate::experiment::units::by_name(channel.unit, channel.unit.name()).is_some());
+                assert_eq!(Channel::of(channel.column).map(|c| c.column), Some(channel.column));
+            }
+        }
+        let jacket = Channel::of("coolant_flow_rate_m3_per_s").unwrap();
+        assert_eq!((jacket.input, jacket.quantity()), (Some("coolant_flow_rate"), "coolant_flow_rate"));
+        let gear = Channel::of("gear_temperature_degC").unwrap();
+        assert_eq!(
+            (gear.output, gear.offset, gear.node()),
+            (Some("gear_temperature"), CELSIUS, Some("gear_temperature"))
+        );
+    }
+
+    /// The temperature of a node finds its initial value by the node that the output states, or by its own name.
+    #[test]
+    fn an_output_states_its_node() {
+        const CONDENSER: &Variable = &Variable::output(1, Unit::Kelvin).of_node("tube_temperature");
+        const UNKNOWN: &Variable = &Variable::output(1, Unit::Kelvin).of_node("nothing");
+        let motor = declaration("AnnulusCooledMotor");
+        assert_eq!((node_of(motor, CONDENSER), node_of(motor, UNKNOWN)), (Some("tube_temperature"), None));
+        let node = |column| Channel::of(column).unwrap().node();
+        assert_eq!(node("housing_temperature_degC"), Some("housing_temperature"));
+        assert_eq!(node("air_outlet_temperature_degC"), None);
     }
 
     /// A number of 2 or more before the unit denotes a further sensor of the same output.

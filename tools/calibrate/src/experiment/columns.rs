@@ -1,7 +1,7 @@
 //! `[columns]`: headers of a file, their quantities and units.
 
 use super::Place;
-use super::channel::{CHANNELS, Channel};
+use super::channel::{CHANNELS, Channel, suffix};
 use super::units::{self, FileUnit};
 use crate::CalibrateError;
 use physics::declare::Unit;
@@ -30,13 +30,13 @@ pub fn read(table: &BTreeMap<Spanned<String>, Value>, place: &Place) -> Result<V
         let (name, unit) = parts(value).map_err(|sentence| place.at(at, &sentence))?;
         let (column, si) = quantity(name).ok_or_else(|| {
             let mut known: Vec<&str> = vec![TIME_QUANTITY];
-            known.extend(CHANNELS.iter().map(Channel::quantity));
+            known.extend(CHANNELS.iter().filter(|c| c.is_usual).map(Channel::quantity));
             // A channel has one entry per model; the entries are adjacent.
             known.dedup();
             place.at(
                 at,
                 &format!(
-                    "{name} is no quantity of a bench; there is {}; a further sensor of an output has a number, as housing_temperature_2",
+                    "{name} is no quantity of a bench; there is {}, and every input and output of the model; a further sensor of an output has a number, as housing_temperature_2",
                     known.join(", ")
                 ),
             )
@@ -44,7 +44,8 @@ pub fn read(table: &BTreeMap<Spanned<String>, Value>, place: &Place) -> Result<V
         // The text in brackets may also be a remark.
         let in_brackets =
             delimited::name_and_unit(header.get_ref()).1.filter(|unit| units::is_unit(si, unit));
-        let stated = unit.or(in_brackets).unwrap_or(units::names(si)[0]);
+        let stated =
+            unit.or(in_brackets).unwrap_or_else(|| units::names(si).first().copied().unwrap_or(si.name()));
         let unit = units::by_name(si, stated).ok_or_else(|| {
             place.at(at, &format!("{stated} is no unit of {name}; there is {}", units::names(si).join(", ")))
         })?;
@@ -83,17 +84,8 @@ fn quantity(name: &str) -> Option<(&'static str, Unit)> {
 impl Channel {
     /// The quantity: the column without its unit.
     pub fn quantity(&self) -> &'static str {
-        let end = match self.unit {
-            Unit::Kelvin => "_degC",
-            Unit::NewtonMetre => "_Nm",
-            Unit::RadianPerSecond => "_rad_per_s",
-            Unit::Volt => "_V",
-            Unit::Ampere => "_A",
-            Unit::Watt => "_W",
-            Unit::Pascal => "_Pa",
-            _ => "_1",
-        };
-        self.column.strip_suffix(end).unwrap_or(self.column)
+        let quantity = self.column.strip_suffix(suffix(self.unit).as_str());
+        quantity.and_then(|quantity| quantity.strip_suffix('_')).unwrap_or(self.column)
     }
 
     /// Whether the name is its column or its quantity.

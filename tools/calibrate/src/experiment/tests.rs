@@ -58,6 +58,18 @@ fn an_experiment_in_full() {
     assert!(found.runs[0].set.is_empty());
 }
 
+/// A water jacket with a constant flow, and an input that a column drives.
+#[test]
+fn an_input_without_a_column_may_be_set() {
+    let set = |line: &str| read(&format!("{HEAD}{}", REST.replace("[prior]", &format!("{line}\n[prior]"))));
+    let found = set("coolant_flow_rate = 1.5e-5").unwrap();
+    assert!(found.set.contains(&("coolant_flow_rate".to_string(), 1.5e-5)));
+    let refused = set("imposed_speed = 100").unwrap_err().to_string();
+    assert!(refused.contains("imposed_speed is driven by the column speed_rad_per_s"), "{refused}");
+    let limits = set("coolant_flow_rate = -1").unwrap_err().to_string();
+    assert!(limits.contains("coolant_flow_rate"), "{limits}");
+}
+
 #[test]
 fn the_drive_follows_from_the_inputs() {
     for (input, drive) in

@@ -26,6 +26,7 @@ pub const fn names(of: Unit) -> &'static [&'static str] {
         ],
         Unit::Kelvin => &["degC", "K", "degF", "degR"],
         Unit::Pascal => &["Pa", "hPa", "kPa", "MPa", "bar", "atm", "mmHg", "inHg", "psi"],
+        Unit::CubicMetrePerSecond => &["m3/s", "l/s", "l/min", "ml/min", "l/h", "m3/h"],
         Unit::Second => &["s", "ms", "us", "min", "h", "d"],
         Unit::One => &["1", "%", "permille"],
         _ => &[],

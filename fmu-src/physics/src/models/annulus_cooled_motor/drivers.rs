@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::initial::temperature;
 use crate::components::sensor::{lagged, mean_lagged};
-use crate::effects::{PerNode, Port};
+use crate::effects::{EffectPort, PerNode};
 use crate::line::Line;
 use crate::runtime::{Equations, Halt};
 use crate::solver::split::{Fast, State};
@@ -29,7 +29,7 @@ impl AnnulusCooledMotor {
     /// Sets the drivers of the terms to their values at `time` and updates the heat capacities.
     #[inline]
     pub(super) fn set_drivers(&mut self, time: f64) {
-        if self.parameters.effects.acts_at(Port::Any) {
+        if self.parameters.effects.acts_at(EffectPort::Any) {
             self.pass_drivers(&self.drivers_after(time, 0.0));
         }
         self.follow_capacity();
@@ -71,7 +71,7 @@ impl AnnulusCooledMotor {
     #[inline]
     pub(super) fn capacity_change(&self, parameters: &Parameters) -> Option<f64> {
         let effects = &parameters.effects;
-        let factor = if effects.acts_at(Port::HeatCapacity) { effects.heat_capacity() } else { 1.0 };
+        let factor = if effects.acts_at(EffectPort::HeatCapacity) { effects.heat_capacity() } else { 1.0 };
         (factor != self.own.capacity_factor).then_some(factor)
     }
 

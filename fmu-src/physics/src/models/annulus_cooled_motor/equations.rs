@@ -33,7 +33,7 @@ pub use constants::Constants;
 use super::parameters::Parameters;
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::commutation::PhaseLoad;
-use crate::effects::{PerNode, Port, Ports};
+use crate::effects::{EffectPort, PerNode, Ports};
 use crate::ledger::{Account, Ledger};
 use crate::line::Line;
 use crate::solver::split::{Fast, State, System};
@@ -298,7 +298,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         let acts = self.constants.acts;
         Ports {
             effects: &self.model.effects,
-            acts: if Self::PLAIN { acts.only(Port::DragTorque) } else { acts },
+            acts: if Self::PLAIN { acts.only(EffectPort::DragTorque) } else { acts },
         }
     }
 

@@ -17,8 +17,8 @@ variables! {
         magnet_temperature: f64 = Variable::initial_temperature(2, &["housing_temperature", "stator_temperature", "winding_temperature"]),
         /// Initial temperature of the housing, of all its segments; 0 K = ambient temperature
         housing_temperature: f64 = Variable::initial_temperature(3, &["stator_temperature", "magnet_temperature", "winding_temperature"]),
-        // The tube is closer to ambient and air flow than to the motor, so it starts at the ambient temperature.
-        /// Initial temperature of the tube (cooling_mode annulus_push and annulus_pull); 0 K = ambient temperature
+        // The node is closer to ambient and air flow than to the motor, so it starts at the ambient temperature.
+        /// Initial temperature of the node of the cooling mode (annulus: the tube), where the mode has one; 0 K = ambient temperature
         tube_temperature: f64 = Variable::initial_temperature(4, &[]),
         /// Initial temperature of a lagging housing sensor (effect.housing_sensor_lag); 0 K = initial temperature of the
         /// housing

@@ -8,7 +8,7 @@ use super::state_list::{ALL, STATES, is_coupled};
 use super::variables::{DriveMode, EnergyBalance, Indicators, Inputs, MechanicalMode, Outputs};
 use crate::components::commutation::{Commutation, Phases};
 use crate::components::validity::Extremes;
-use crate::effects::{PerNode, Port};
+use crate::effects::{EffectPort, PerNode};
 use crate::exchange::is_above;
 use crate::line::Line;
 use crate::model::{Declaration, Declared, Fault, HousingHeat};
@@ -16,7 +16,7 @@ use crate::runtime::{Equations, Halt, Runtime};
 use crate::saved;
 use crate::solver::split::{Split, State};
 use crate::terms::{Drivers, GenericTerm, MOST_TERMS};
-use declare::State as Declare;
+use declare::{Named, State as Declare};
 use std::f64::consts::FRAC_PI_3;
 
 /// The motor.
@@ -83,14 +83,9 @@ impl Discrete {
     }
 }
 
-/// Outputs that need no evaluation of the equations: states, and the sensors of winding and housing.
-const CURRENT_ROW: usize = 0;
-const ANGLE_ROW: usize = 1;
-const SPEED_ROW: usize = 2;
-const WINDING_SENSOR: usize = 4;
-const HOUSING_SENSOR: usize = 7;
-/// Power at the terminals among the outputs of the energy balance, which a drive reads at every step.
-const POWER_ROW: usize = 3;
+/// The rows of the outputs by name.
+type Output = <Outputs as Named>::Row;
+type Flow = <EnergyBalance as Named>::Row;
 /// Distance from the border of a sector within which an electrical angle is at the border, rad.
 const NEAR_SECTOR: f64 = 1e-9;
 
@@ -263,17 +258,20 @@ impl Equations<ALL> for Motor {
         run.observe(false, |now| now.outputs())
     }
 
+    /// Outputs that need no evaluation of the equations: states, and the sensors of winding and housing.
     #[inline]
     fn output(run: &AnnulusCooledMotor, row: usize) -> Option<f64> {
         let (state, effects) = (&run.own.state, &run.parameters.effects);
-        match row {
-            CURRENT_ROW => Some(state.x[0]),
-            ANGLE_ROW => Some(state.angle),
-            SPEED_ROW => Some(state.x[1]),
-            WINDING_SENSOR | HOUSING_SENSOR if !effects.acts_at(Port::Any) => {
+        match Outputs::row(row)? {
+            Output::current => Some(state.x[0]),
+            Output::shaft_angle => Some(state.angle),
+            Output::shaft_speed => Some(state.x[1]),
+            sensor @ (Output::winding_temperature | Output::housing_temperature)
+                if !effects.acts_at(EffectPort::Any) =>
+            {
                 let ambient = run.ambient(run.time).start;
-                Some(match row {
-                    WINDING_SENSOR => effects.winding_sensor(run.own.sensors.winding, ambient),
+                Some(match sensor {
+                    Output::winding_temperature => effects.winding_sensor(run.own.sensors.winding, ambient),
                     _ => effects.housing_sensor(run.own.sensors.housing, ambient),
                 })
             }
@@ -281,9 +279,10 @@ impl Equations<ALL> for Motor {
         }
     }
 
-    /// The power at the terminals needs no evaluation of the cooling.
+    /// The power at the terminals, which a drive reads at every step, needs no evaluation of the cooling.
     fn flow(run: &AnnulusCooledMotor, row: usize) -> Option<f64> {
-        (row == POWER_ROW).then(|| run.observe(false, |now| now.step.power_electrical(&run.own.state)))
+        (row == Flow::power_electrical as usize)
+            .then(|| run.observe(false, |now| now.step.power_electrical(&run.own.state)))
     }
 
     fn balance(run: &AnnulusCooledMotor, (): &()) -> EnergyBalance {

@@ -19,7 +19,7 @@ mod substep;
 pub use body::{Body, SEGMENTS};
 pub use substep::{Advance, CouplingIntegrals};
 
-use super::cooling::{Coefficients, Conditions, Cooling, Stream, Tangent, without_flow};
+use super::cooling::{Coefficients, Conditions, Cooling, Passing, Stream, Tangent};
 use super::parameters::Parameters;
 use super::variables::{EnergyBalance, Inputs};
 use crate::runtime::Saved;
@@ -190,17 +190,17 @@ impl Network {
 
     /// Evaluates the coefficients at these conditions, and the quantities that depend only on them.
     fn renew(&mut self, parameters: &Parameters, at: Conditions) {
-        self.tangent = Tangent::new(&self.cooling, parameters, at);
+        self.tangent.evaluate(&self.cooling, parameters, at);
         self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
         self.fastest = self.bound();
     }
 
-    fn conditions(&self, inputs: &Inputs, ambient: f64, ahead: f64) -> Conditions {
-        Conditions::of(inputs, self.housing_temperature() + ahead, self.states[TUBE], ambient)
+    fn conditions(&self, inputs: &Inputs, ambient: f64, [housing, tube]: [f64; 2]) -> Conditions {
+        Conditions::of(inputs, self.housing_temperature() + housing, self.states[TUBE] + tube, ambient)
     }
 
-    /// Updates the coefficients to the inputs, with the housing `ahead` kelvin above its present temperature.
-    pub fn refresh(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64, ahead: f64) {
+    /// Updates the coefficients to the inputs, with housing and tube `ahead` kelvin above their present temperatures.
+    pub fn refresh(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64, ahead: [f64; 2]) {
         let at = self.conditions(inputs, ambient, ahead);
         self.from_outside = parameters.effects.housing_heat(at.surface);
         if self.tangent.serves(&at) {
@@ -212,7 +212,7 @@ impl Network {
 
     /// Evaluates the coefficients at the present temperatures by the full equations, independent of the history.
     pub fn evaluate(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64) {
-        let at = self.conditions(inputs, ambient, 0.0);
+        let at = self.conditions(inputs, ambient, [0.0; 2]);
         self.from_outside = parameters.effects.housing_heat(at.surface);
         if self.tangent.at != at {
             self.now = self.cooling.coefficients(parameters, &at);
@@ -223,7 +223,7 @@ impl Network {
     /// Whether the coefficients are those of the full equations at the present temperatures, provided that only
     /// [`evaluate`](Self::evaluate) sets them.
     pub fn is_evaluated_at(&self, inputs: &Inputs, ambient: f64) -> bool {
-        self.tangent.at == self.conditions(inputs, ambient, 0.0)
+        self.tangent.at == self.conditions(inputs, ambient, [0.0; 2])
     }
 
     /// Invalidates the coefficients, so that the next [`refresh`](Network::refresh) evaluates them.
@@ -270,7 +270,7 @@ impl Network {
             let direct = c.ambient_conductance[k] * (t - ambient);
             let radiated = c.to_tube * (t - tube);
             let along = body.axial * (before - 2.0 * t + after);
-            let Passing { segment, tube: from_tube, air: next } = passing(c, k, t, tube, air);
+            let Passing { segment, tube: from_tube, air: next } = c.passing(k, t, tube, air);
             air = next;
             from_rotor += from;
             to_tube += radiated - from_tube;
@@ -295,6 +295,11 @@ impl Network {
     /// Mean of [`rates_now`](Self::rates_now) over the segments.
     pub fn housing_rate(&self, rates: &States) -> f64 {
         mean(&rates[FIRST..FIRST + self.body.segments])
+    }
+
+    /// Changes of housing and tube over half a substep of `h` seconds at these derivatives, K.
+    pub fn ahead(&self, rates: &States, h: f64) -> [f64; 2] {
+        [self.housing_rate(rates), rates[TUBE]].map(|rate| 0.5 * h * rate)
     }
 
     /// Derivative of the rotor temperature in [`rates_now`](Self::rates_now), K/s; without a rotor node that of the housing.
@@ -350,10 +355,11 @@ impl Network {
         ambient: f64,
         flows: &Flows,
     ) -> EnergyBalance {
-        let at = &self.conditions(inputs, ambient, 0.0);
-        let (outlet, heat) = (flows.outlet, flows.housing_to_air);
-        let mut out = without_flow(inputs, ambient);
-        self.cooling.show(&Stream { parameters, at, coefficients: &self.now, outlet, heat }, &mut out);
+        let at = &self.conditions(inputs, ambient, [0.0; 2]);
+        let (outlet, heat, to_node) = (flows.outlet, flows.housing_to_air, flows.housing_to_tube);
+        let mut out = EnergyBalance::without_flow(inputs, ambient);
+        self.cooling
+            .show(&Stream { parameters, at, coefficients: &self.now, outlet, heat, to_node }, &mut out);
         out
     }
 
@@ -373,7 +379,7 @@ impl Network {
             flows.rotor_to_housing += body.from_rotor * (rotor - t);
             flows.housing_to_room += c.ambient_conductance[k] * (t - ambient);
             flows.housing_to_tube += c.to_tube * (t - tube);
-            let p = passing(c, k, t, tube, air);
+            let p = c.passing(k, t, tube, air);
             flows.housing_to_air += p.segment;
             flows.tube_to_air += p.tube;
             air = p.air;
@@ -381,27 +387,6 @@ impl Network {
         flows.air_to_room = c.m_flow_cp * (air - inlet) + flows.fan_to_air;
         flows.outlet = air;
         flows
-    }
-}
-
-/// Heat flows of one segment and its length of tube to the air, W, and the air temperature behind them, K.
-struct Passing {
-    segment: f64,
-    tube: f64,
-    air: f64,
-}
-
-/// Eq. (2) of `cooling/coefficients.rs`.
-#[inline]
-fn passing(c: &Coefficients, k: usize, t: f64, tube: f64, air: f64) -> Passing {
-    let (share, films) = (c.share[k], c.film_conductance[k]);
-    let wall = tube + share * (t - tube);
-    let taken = c.effectiveness[k] * (wall - air);
-    let carried = c.m_flow_cp * taken;
-    Passing {
-        segment: share * (films * (t - wall) + carried),
-        tube: (1.0 - share) * (films * (tube - wall) + carried),
-        air: air + taken,
     }
 }
 

@@ -11,7 +11,7 @@ use super::state_list::{
     WINDING, WINDING_SENSOR,
 };
 use super::variables::Outputs;
-use crate::effects::{PerNode, Port};
+use crate::effects::{EffectPort, PerNode};
 use crate::solver::split::System;
 
 /// The motor at the present time, as outputs and derivatives see it.
@@ -31,7 +31,7 @@ impl AnnulusCooledMotor {
     #[inline(always)]
     pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Reading) -> T) -> T {
         let own = &self.own;
-        let is_told = self.parameters.effects.acts_at(Port::Any);
+        let is_told = self.parameters.effects.acts_at(EffectPort::Any);
         let is_cooled = own.network.as_ref().is_none_or(|n| {
             self.pre.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
         });

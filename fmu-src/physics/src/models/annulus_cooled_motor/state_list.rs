@@ -1,8 +1,7 @@
 //! List of the continuous states, and their indices.
 
 use crate::components::housing::SEGMENTS;
-use crate::terms::MOST_TERMS;
-use declare::{Elements, State, Unit, states};
+use declare::{Elements, State, Unit, index_of, states};
 
 // Nominal derivatives, with the default motor at 24 V and 5 A: 24 V / L for the current, k_t 5 A / J for the speed, R (5 A)^2 over the
 // heat capacity for temperatures, and powers for the energies.
@@ -21,7 +20,7 @@ states! {
         "state.core_temperature" = State::new(705, 805, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of the rotor; constant in cooling_mode conductance
         "state.rotor_temperature" = State::new(706, 806, Unit::Kelvin).nominal(300.0, 0.1),
-        /// Temperature of the tube; constant where there is none
+        /// Temperature of the node of the cooling mode (annulus: the tube); constant in modes without one
         "state.tube_temperature" = State::new(707, 807, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of a lagging housing sensor (effect.housing_sensor_lag); else constant
         "state.sensor_temperature" = State::new(708, 808, Unit::Kelvin).nominal(300.0, 0.1),
@@ -44,19 +43,19 @@ states! {
     }
 }
 
-pub(super) const CURRENT: usize = 0;
-pub(super) const SPEED: usize = 1;
-pub(super) const ANGLE: usize = 2;
-pub(super) const WINDING: usize = 3;
-pub(super) const CORE: usize = 4;
-pub(super) const ROTOR: usize = 5;
-pub(super) const TUBE: usize = 6;
-pub(super) const HOUSING_SENSOR: usize = 7;
-pub(super) const WINDING_SENSOR: usize = 8;
-pub(super) const PHASES: usize = 9;
-pub(super) const ENERGIES: usize = 12;
-pub(super) const LAGS: usize = 15;
-pub(super) const HOUSING: usize = LAGS + MOST_TERMS;
+pub(super) const CURRENT: usize = index_of(STATES, "state.current");
+pub(super) const SPEED: usize = index_of(STATES, "state.shaft_speed");
+pub(super) const ANGLE: usize = index_of(STATES, "state.shaft_angle");
+pub(super) const WINDING: usize = index_of(STATES, "state.winding_temperature");
+pub(super) const CORE: usize = index_of(STATES, "state.core_temperature");
+pub(super) const ROTOR: usize = index_of(STATES, "state.rotor_temperature");
+pub(super) const TUBE: usize = index_of(STATES, "state.tube_temperature");
+pub(super) const HOUSING_SENSOR: usize = index_of(STATES, "state.sensor_temperature");
+pub(super) const WINDING_SENSOR: usize = index_of(STATES, "state.winding_sensor_temperature");
+pub(super) const PHASES: usize = index_of(STATES, "state.phase_excess");
+pub(super) const ENERGIES: usize = index_of(STATES, "state.energy_electrical");
+pub(super) const LAGS: usize = index_of(STATES, "state.term_lag");
+pub(super) const HOUSING: usize = index_of(STATES, "T_housing");
 /// Number of states, including all segments.
 pub const ALL: usize = HOUSING + SEGMENTS;
 /// A number for each state.

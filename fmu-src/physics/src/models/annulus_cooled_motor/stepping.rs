@@ -12,7 +12,7 @@ use super::parameters::Parameters;
 use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;
-use crate::effects::{PerNode, Port};
+use crate::effects::{EffectPort, PerNode};
 use crate::line::Line;
 use crate::model::Fault;
 use crate::runtime::Halt;
@@ -63,7 +63,7 @@ impl AnnulusCooledMotor {
         if let Some(fault) = &self.own.fault {
             return Err(Halt::Fault(Fault(fault.clone())));
         }
-        if !self.parameters.effects.acts_at(Port::Any) {
+        if !self.parameters.effects.acts_at(EffectPort::Any) {
             self.follow_capacity();
             return self.take_substeps(time, h);
         }
@@ -123,7 +123,7 @@ impl AnnulusCooledMotor {
     #[inline]
     pub(super) fn take_substeps(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let effects = &self.parameters.effects;
-        let lagging = (effects.acts_at(Port::Any) && effects.has_lags()).then(|| self.lag_start(h));
+        let lagging = (effects.acts_at(EffectPort::Any) && effects.has_lags()).then(|| self.lag_start(h));
         if self.own.network.is_some() {
             self.advance_in_pieces(time, h)?;
         } else if self.own.constants.are_plain(&self.slopes) {
@@ -238,7 +238,7 @@ impl AnnulusCooledMotor {
         let (excess, lags) = (self.mean_excess(h), self.lags_from(time));
         let Some(network) = &mut self.own.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);
-        network.refresh(&self.parameters, &middle, at_middle, 0.0);
+        network.refresh(&self.parameters, &middle, at_middle, [0.0; 2]);
 
         // Friction heat in the network at the start of the substep.
         let (state, split) = (self.own.state, &mut self.own.split);
@@ -254,8 +254,8 @@ impl AnnulusCooledMotor {
         let friction = step.drag_beyond(&state.x, &state.temperature);
         let inflow = network.inflow(t_w, t_core, friction);
         let mut rates = network.rates_now(ambient.start, &inflow);
-        let ahead = 0.5 * h * network.housing_rate(&rates);
-        if ahead.abs() > 1e-4 {
+        let ahead = network.ahead(&rates, h);
+        if ahead.iter().any(|change| change.abs() > 1e-4) {
             network.refresh(p, &middle, at_middle, ahead);
             rates = network.rates_now(ambient.start, &inflow);
         }
@@ -373,7 +373,7 @@ impl AnnulusCooledMotor {
         if self.pre.is_some() {
             network.evaluate(&self.parameters, &self.inputs, ambient);
         } else {
-            network.refresh(&self.parameters, &self.inputs, ambient, 0.0);
+            network.refresh(&self.parameters, &self.inputs, ambient, [0.0; 2]);
         }
     }
 

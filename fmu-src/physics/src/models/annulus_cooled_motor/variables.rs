@@ -1,6 +1,6 @@
 //! Inputs and outputs of the motor.
 
-use declare::{Unit, Variable, enumeration, variables};
+use declare::{Group, Unit, Variable, enumeration, variables};
 
 enumeration! {
     /// Quantity that is imposed at the terminals.
@@ -87,7 +87,7 @@ variables! {
         winding_margin: f64 = Variable::output(41, Unit::Kelvin).nominal(100.0).difference(),
         /// True while the hottest phase of the winding is above thermal.T_w_max
         over_temperature: bool = Variable::flag(42),
-        /// Shaft torque over the mass of motor, fan and tube (fan and tube where cooling_mode has them)
+        /// Shaft torque over the mass of the motor and of the parts that its cooling mode adds
         torque_density: f64 = Variable::output(43, Unit::NewtonMetrePerKilogram),
         /// Voltage at the terminals
         terminal_voltage: f64 = Variable::output(44, Unit::Volt).nominal(48.0),
@@ -101,9 +101,9 @@ variables! {
     /// Flows of air, coolant and power, and the balance residuals. They need the full equations of the cooling, which take longer
     /// than a step, so that they are computed only when they are read.
     pub struct EnergyBalance {
-        /// Temperature of the air behind the motor; ambient temperature without flow and in cooling_mode conductance, bare and water_jacket
+        /// Temperature of the air behind the motor; ambient temperature without an air flow
         air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
-        /// Volume flow rate of air over the motor, by fan and buoyancy; 0 in cooling_mode conductance and bare
+        /// Volume flow rate of air over the motor, by fan and buoyancy; 0 in cooling modes without an air flow
         air_flow_rate: f64 = Variable::output(29, Unit::CubicMetrePerSecond).nominal(1e-3),
         /// Static pressure of the fan; 0 unless a fan drives air through an annulus
         air_pressure_drop: f64 = Variable::output(30, Unit::Pascal).nominal(10.0),
@@ -131,7 +131,7 @@ variables! {
         energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).unbounded().nominal(1000.0),
         /// Energy balance residual since the start
         energy_balance_error: f64 = Variable::output(48, Unit::Joule),
-        /// Temperature of the coolant at the outlet of the jacket; inlet temperature unless cooling_mode is water_jacket
+        /// Temperature of the coolant at the outlet of the jacket; inlet temperature in cooling modes without a coolant
         coolant_outlet_temperature: f64 = Variable::output(50, Unit::Kelvin).nominal(300.0),
         /// Pressure drop of the coolant in the jacket
         coolant_pressure_drop: f64 = Variable::output(51, Unit::Pascal).nominal(1000.0),
@@ -139,6 +139,17 @@ variables! {
         pump_power: f64 = Variable::output(52, Unit::Watt).nominal(0.01),
         /// Heat flow from the housing to the coolant; part of heat_to_ambient
         heat_to_coolant: f64 = Variable::output(53, Unit::Watt).nominal(10.0),
+    }
+}
+
+impl EnergyBalance {
+    /// Outputs of the cooling in modes that do not compute them: temperatures are stated here, all else is 0.
+    pub fn without_flow(inputs: &Inputs, ambient: f64) -> EnergyBalance {
+        EnergyBalance {
+            air_outlet_temperature: ambient,
+            coolant_outlet_temperature: inputs.coolant_inlet_temperature,
+            ..EnergyBalance::zero()
+        }
     }
 }
 

@@ -13,19 +13,16 @@ use crate::saved;
 use crate::solver::no_solution;
 use crate::solver::split::Split;
 use crate::terms::Drivers;
-use declare::State as Declare;
+use declare::{Named, State as Declare, index_of};
 
 /// Indices of the states: current and speed, angle, temperatures, energies.
-const ANGLE: usize = 2;
-const FIRST_NODE: usize = 3;
-const FIRST_ENERGY: usize = FIRST_NODE + NODES;
+const ANGLE: usize = index_of(LIST, "state.shaft_angle");
+const FIRST_NODE: usize = index_of(LIST, "state.winding_temperature");
+const FIRST_ENERGY: usize = index_of(LIST, "state.energy_supply");
+const _: () = assert!(FIRST_ENERGY == FIRST_NODE + NODES);
 
-/// Outputs that need no evaluation of the equations: states and sensor values.
-const CURRENT_ROW: usize = 1;
-const ANGLE_ROW: usize = 2;
-const SPEED_ROW: usize = 3;
-const FIRST_NODE_ROW: usize = 5;
-const LAST_NODE_ROW: usize = FIRST_NODE_ROW + NODES - 1;
+/// The rows of the outputs by name.
+type Output = <Outputs as Named>::Row;
 
 /// The gearmotor.
 pub type BrushedGearmotor = Runtime<Gearmotor, STATES>;
@@ -165,18 +162,19 @@ impl Equations<STATES> for Gearmotor {
         outputs
     }
 
+    /// Outputs that need no evaluation of the equations: states and sensor values.
     #[inline]
     fn output(run: &BrushedGearmotor, row: usize) -> Option<f64> {
         let state = &run.own.state;
-        match row {
-            CURRENT_ROW => Some(state.x[0]),
-            ANGLE_ROW => Some(state.angle),
-            SPEED_ROW => Some(state.x[1]),
-            FIRST_NODE_ROW..=LAST_NODE_ROW => {
-                let nodes = run.own.constants.nodes(&run.parameters);
-                Some(nodes.indicated(row - FIRST_NODE_ROW, &state.temperature))
+        let output = Outputs::row(row)?;
+        match output {
+            Output::current => Some(state.x[0]),
+            Output::shaft_angle => Some(state.angle),
+            Output::shaft_speed => Some(state.x[1]),
+            _ => {
+                let node = Outputs::node(output)?;
+                Some(run.own.constants.nodes(&run.parameters).indicated(node, &state.temperature))
             }
-            _ => None,
         }
     }
 

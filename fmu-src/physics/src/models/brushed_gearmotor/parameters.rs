@@ -6,7 +6,7 @@ use crate::components::chopper::Drive;
 use crate::components::enclosure::Enclosure;
 use crate::components::gear::Gear;
 use crate::components::validity::{BrushedValidity, Limits};
-use crate::effects::{Effects, Port};
+use crate::effects::{EffectPort, Effects};
 use crate::groups;
 use crate::model::Unserved;
 
@@ -39,8 +39,8 @@ impl Parameters {
 }
 
 /// Why this model does not support a port of the effects, and the alternative; `None` for supported ports.
-fn reason(port: Port) -> Option<&'static str> {
-    use Port::*;
+fn reason(port: EffectPort) -> Option<&'static str> {
+    use EffectPort::*;
     match port {
         DragTorque | LoadDrag | TerminalVoltage | TorqueConstant | WindingHousingResistance => None,
         AmbientConductance | HousingToAmbient | AmbientSensor | WindingSensor | HousingSensor => None,

@@ -1,7 +1,7 @@
 //! Inputs and outputs of the gearmotor. The parameters are declared with their components.
 
 use super::nodes::{NODES, nodes};
-use declare::{Group, Unit, Variable, variables};
+use declare::{Group, Named, Unit, Variable, variables};
 
 variables! {
     /// What the importer sets at every communication point.
@@ -98,6 +98,16 @@ macro_rules! outputs {
         }
 
         impl Outputs {
+            /// The node whose temperature an output is.
+            #[inline(always)]
+            pub(super) fn node(output: <Outputs as Named>::Row) -> Option<usize> {
+                type Output = <Outputs as Named>::Row;
+                match output {
+                    $(Output::$name => Some(super::nodes::$node),)*
+                    _ => None,
+                }
+            }
+
             /// These temperatures of the nodes, K; the other outputs are 0.
             pub(super) fn of_nodes([$($name),*]: [f64; NODES]) -> Outputs {
                 Outputs { $($name,)* ..Outputs::zero() }

@@ -33,6 +33,10 @@ impl Method for Annulus {
         parameters.cooling.fan.fault().or_else(|| parameters.cooling.annulus.fault(&parameters.housing))
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn add(&self, site: &Site, c: &mut Coefficients) {
         let Some(gap) = site.gap else { return };
         let Site { parameters: p, at, command, .. } = *site;

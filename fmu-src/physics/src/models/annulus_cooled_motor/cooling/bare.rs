@@ -7,6 +7,10 @@ use super::{Coefficients, Method, Site};
 pub struct Bare;
 
 impl Method for Bare {
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn add(&self, site: &Site, c: &mut Coefficients) {
         c.ambient_conductance[..site.segments].fill(site.free());
     }

@@ -11,6 +11,7 @@
 //! air properties at its mean temperature in the gap.
 //! *Source*: (2) Incropera, 7th ed., eq. 8.41; the correlations in `correlations/`.
 
+use super::Conditions;
 use crate::components::housing::SEGMENTS;
 
 /// Coefficients of the air and the coolant, linear in all temperatures.
@@ -28,9 +29,9 @@ pub struct Coefficients {
     pub m_flow_cp: f64,
     /// Temperature rise of the air before the gap by the fan power, K.
     pub inlet_rise: f64,
-    /// Radiative conductance from each segment to the tube, W/K.
+    /// Conductance from each segment to the node of the mode, W/K; radiation to a tube.
     pub to_tube: f64,
-    /// Conductance from the tube to ambient, W/K.
+    /// Conductance from the node to ambient, W/K.
     pub tube_to_ambient: f64,
     /// Fan power that heats the air of the gap, W.
     pub fan_power: f64,
@@ -45,6 +46,16 @@ pub struct Coefficients {
     pub pressure_drop: f64,
     /// Further outputs of a mode, for its [`show`](super::Method::show).
     pub of_mode: [f64; 2],
+}
+
+/// Heat flows of one segment and its length of tube to the air, W, and the air temperature behind them, K.
+pub struct Passing {
+    /// From the segment.
+    pub segment: f64,
+    /// From the tube.
+    pub tube: f64,
+    /// Temperature of the air behind the segment.
+    pub air: f64,
 }
 
 impl Coefficients {
@@ -70,6 +81,35 @@ impl Coefficients {
     #[inline]
     pub fn inlet(&self, ambient: f64) -> f64 {
         self.coolant_inlet.unwrap_or(ambient + self.inlet_rise)
+    }
+
+    /// Heat flows of a segment and its length of tube into the flow, eq. (2); temperatures of segment, tube and flow in K.
+    #[inline]
+    pub fn passing(&self, k: usize, t: f64, tube: f64, air: f64) -> Passing {
+        let (share, films) = (self.share[k], self.film_conductance[k]);
+        let wall = tube + share * (t - tube);
+        let taken = self.effectiveness[k] * (wall - air);
+        let carried = self.m_flow_cp * taken;
+        Passing {
+            segment: share * (films * (t - wall) + carried),
+            tube: (1.0 - share) * (films * (tube - wall) + carried),
+            air: air + taken,
+        }
+    }
+
+    /// Heat flows out of the housing and out of the tube, all segments at the mean temperature, W.
+    pub(super) fn heats(&self, at: &Conditions, n: usize) -> [f64; 2] {
+        let (t, tube, ambient) = (at.surface, at.tube, at.ambient);
+        let mut air = self.inlet(ambient);
+        let [mut from_housing, mut from_tube] = [0.0, self.tube_to_ambient * (tube - ambient)];
+        for k in 0..n {
+            let p = self.passing(k, t, tube, air);
+            let radiated = self.to_tube * (t - tube);
+            from_housing += self.ambient_conductance[k] * (t - ambient) + radiated + p.segment;
+            from_tube += p.tube - radiated;
+            air = p.air;
+        }
+        [from_housing, from_tube]
     }
 
     /// Takes the values of `other` for the first `n` segments.

@@ -11,6 +11,10 @@ impl Method for GivenConductance {
         false
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn add(&self, site: &Site, c: &mut Coefficients) {
         let (n, parameters) = (site.segments, site.parameters);
         let (rise, effects) = (site.at.surface - site.at.ambient, &parameters.effects);

@@ -19,6 +19,10 @@ impl Method for FanCrossflow {
         parameters.cooling.fan.fault()
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn add(&self, site: &Site, c: &mut Coefficients) {
         let Site { parameters: p, at, still, command, .. } = *site;
         let (housing, fan) = (&p.housing, &p.cooling.fan);

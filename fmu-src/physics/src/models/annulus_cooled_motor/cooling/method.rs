@@ -6,8 +6,7 @@ use crate::components::annulus::Gap;
 use crate::components::conductance::Conductance;
 use crate::components::housing::StillAir;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
-use crate::models::annulus_cooled_motor::variables::{EnergyBalance, Inputs};
-use declare::Group;
+use crate::models::annulus_cooled_motor::variables::EnergyBalance;
 use std::fmt::Debug;
 
 /// A cooling mode.
@@ -21,7 +20,8 @@ pub trait Method: Debug + Sync {
     fn mass(&self, _parameters: &Parameters) -> f64 {
         0.0
     }
-    /// Heat capacity of the tube, J/K; 0 without a tube.
+    /// Heat capacity of the node of the mode (the tube of an annulus), J/K; 0 without a node. The node is a state, and the coefficients may
+    /// depend on its temperature, if and only if this is above 0.
     fn tube_capacity(&self, _parameters: &Parameters) -> f64 {
         0.0
     }
@@ -29,13 +29,18 @@ pub trait Method: Debug + Sync {
     fn gap(&self, _parameters: &Parameters) -> Option<Gap> {
         None
     }
+    /// Whether the coefficients bend no more over the temperatures than those of natural convection, so that the curvature need not be
+    /// measured at each evaluation: a quarter to a third of the computing time of the coefficients. A test checks it.
+    fn is_smooth(&self) -> bool {
+        false
+    }
     /// Inconsistency between parameters of the mode, in one sentence.
     fn fault(&self, _parameters: &Parameters) -> Option<String> {
         None
     }
     /// Adds the heat paths of the lateral surface to coefficients without any.
     fn add(&self, site: &Site, c: &mut Coefficients);
-    /// Fills the outputs of the mode; those of others remain as [`without_flow`].
+    /// Fills the outputs of the mode; those of others remain as [`EnergyBalance::without_flow`].
     fn show(&self, stream: &Stream, out: &mut EnergyBalance) {
         let Stream { at, coefficients: c, outlet, .. } = *stream;
         out.air_outlet_temperature = at.ambient + c.behind * (outlet - at.ambient);
@@ -56,15 +61,8 @@ pub struct Stream<'a> {
     pub outlet: f64,
     /// Heat flow from the housing to the flow, W.
     pub heat: f64,
-}
-
-/// Outputs of the cooling without a flow; 0 where none is stated.
-pub fn without_flow(inputs: &Inputs, ambient: f64) -> EnergyBalance {
-    EnergyBalance {
-        air_outlet_temperature: ambient,
-        coolant_outlet_temperature: inputs.coolant_inlet_temperature,
-        ..EnergyBalance::zero()
-    }
+    /// Heat flow from the housing to the node of the mode, W.
+    pub to_node: f64,
 }
 
 /// Mass of the motor including the parts that its cooling mode adds, kg.
@@ -126,18 +124,29 @@ pub struct Cooling {
     pub segments: usize,
     method: &'static dyn Method,
     gap: Option<Gap>,
+    has_node: bool,
 }
 
 impl Cooling {
     /// The cooling of a motor with a housing of `segments` segments.
     pub fn new(parameters: &Parameters, segments: usize) -> Cooling {
-        let method = method(parameters.choices.cooling_mode);
-        Cooling { segments, method, gap: method.gap(parameters) }
+        Cooling::of(method(parameters.choices.cooling_mode), parameters, segments)
     }
 
-    /// Whether the coefficients depend on the temperature of a tube.
-    pub fn has_tube(&self) -> bool {
-        self.gap.is_some()
+    /// The same by this method.
+    pub(super) fn of(method: &'static dyn Method, parameters: &Parameters, segments: usize) -> Cooling {
+        let has_node = method.tube_capacity(parameters) > 0.0;
+        Cooling { segments, method, gap: method.gap(parameters), has_node }
+    }
+
+    /// Whether the mode has a node of its own, on whose temperature the coefficients may depend.
+    pub fn has_node(&self) -> bool {
+        self.has_node
+    }
+
+    /// See [`Method::is_smooth`].
+    pub fn is_smooth(&self) -> bool {
+        self.method.is_smooth()
     }
 
     /// Outputs of the mode; see [`Method::show`].

@@ -7,10 +7,12 @@ mod conductance;
 mod fan_crossflow;
 mod method;
 mod tangent;
+#[cfg(test)]
+mod tests;
 mod water_jacket;
 
-pub use coefficients::Coefficients;
-pub use method::{Cooling, Method, Site, Stream, mass, without_flow};
+pub use coefficients::{Coefficients, Passing};
+pub use method::{Cooling, Method, Site, Stream, mass};
 pub use tangent::Tangent;
 
 use super::variables::Inputs;
@@ -78,6 +80,17 @@ macro_rules! cooling {
             #[inline]
             pub fn serve(&self, now: &Conditions) -> bool {
                 true $(&& (self.$input - now.$input).abs() <= change($near, self.$input))*
+            }
+
+            /// The conditions with their names.
+            #[cfg(test)]
+            pub fn named(&mut self) -> Vec<(&'static str, &mut f64)> {
+                vec![
+                    ("surface", &mut self.surface),
+                    ("tube", &mut self.tube),
+                    ("ambient", &mut self.ambient),
+                    $((stringify!($input), &mut self.$input)),*
+                ]
             }
 
             /// Longest substep over which the inputs may be constant, s.

@@ -13,6 +13,10 @@ impl Method for WaterJacket {
         parameters.cooling.jacket.mass
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn add(&self, site: &Site, c: &mut Coefficients) {
         let (at, n) = (site.at, site.segments);
         let jacket = &site.parameters.cooling.jacket;

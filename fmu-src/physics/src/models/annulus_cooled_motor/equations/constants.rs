@@ -3,26 +3,26 @@
 use super::drive::Chopper;
 use super::{DriveMode, Inputs, MechanicalMode, Temperatures};
 use crate::components::validity::Limits;
-use crate::effects::{Acts, Port};
+use crate::effects::{Acts, EffectPort};
 use crate::models::annulus_cooled_motor::network::Body;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 use crate::terms::Driver;
 
 /// Ports, besides the drag torque, that are evaluated at every stage of a step.
-const BRANCHES: [Port; 13] = [
-    Port::WarmDrag,
-    Port::LoadDrag,
-    Port::TerminalVoltage,
-    Port::WindingResistance,
-    Port::DrivenDrag,
-    Port::DrivenVoltage,
-    Port::SeriesVoltage,
-    Port::DrivenTorqueConstant,
-    Port::HousingHeat,
-    Port::WindingHousingResistance,
-    Port::HousingToAmbient,
-    Port::StillAir,
-    Port::PowerModeLoad,
+const BRANCHES: [EffectPort; 13] = [
+    EffectPort::WarmDrag,
+    EffectPort::LoadDrag,
+    EffectPort::TerminalVoltage,
+    EffectPort::WindingResistance,
+    EffectPort::DrivenDrag,
+    EffectPort::DrivenVoltage,
+    EffectPort::SeriesVoltage,
+    EffectPort::DrivenTorqueConstant,
+    EffectPort::HousingHeat,
+    EffectPort::WindingHousingResistance,
+    EffectPort::HousingToAmbient,
+    EffectPort::StillAir,
+    EffectPort::PowerModeLoad,
 ];
 
 /// Constants of the parameters, computed once and not in every step.
@@ -90,9 +90,10 @@ impl Constants {
         let acts = Acts::of(&parameters.effects);
         // The power of this load is part of electrical_power; its torque acts at an imposed speed.
         let is_loaded = parameters.choices.drive_mode == DriveMode::Power && !free;
-        let acts = if is_loaded { acts } else { acts.without(Port::PowerModeLoad) };
+        let acts = if is_loaded { acts } else { acts.without(EffectPort::PowerModeLoad) };
         // With a network, the network computes what leaves the housing.
-        let of_housing = |acts: Acts| acts.without(Port::HousingToAmbient).without(Port::StillAir);
+        let of_housing =
+            |acts: Acts| acts.without(EffectPort::HousingToAmbient).without(EffectPort::StillAir);
         let acts = if body.is_none() { acts } else { of_housing(acts) };
         let chops = Chopper::acts(parameters);
         Constants {

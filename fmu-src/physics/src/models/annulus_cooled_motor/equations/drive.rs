@@ -10,7 +10,7 @@
 
 use super::Step;
 use crate::components::chopper::ZeroDuty;
-use crate::effects::Port;
+use crate::effects::EffectPort;
 use crate::line::Line;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, Inputs};
@@ -73,7 +73,7 @@ impl Chopper {
 
     /// Whether an effect acts at the drive.
     fn loses(model: &Parameters) -> bool {
-        model.effects.acts_at(Port::Bridge) || model.effects.acts_at(Port::Ripple)
+        model.effects.acts_at(EffectPort::Bridge) || model.effects.acts_at(EffectPort::Ripple)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Quantities of the equations of current and speed that follow the drivers of terms, evaluated within a step.
 
 use super::{CORE, Step, Temperatures, WINDING};
-use crate::effects::Port;
+use crate::effects::EffectPort;
 use crate::solver::split::Fast;
 use crate::terms::{Driver, Drivers};
 
@@ -19,7 +19,7 @@ impl<const FORM: u8> Step<'_, FORM> {
     /// Whether terms may act on current and speed.
     #[inline(always)]
     pub(super) fn is_driven(&self) -> bool {
-        !Self::PLAIN && self.constants.acts.at(Port::DrivenDrag)
+        !Self::PLAIN && self.constants.acts.at(EffectPort::DrivenDrag)
     }
 
     /// Drivers of the terms `t` seconds after the start of the step.

@@ -5,7 +5,7 @@ use crate::components::commutation::Phases;
 use crate::effects::PerNode;
 use crate::ledger::{Account, Ledger};
 use crate::model::HousingHeat;
-use crate::models::annulus_cooled_motor::cooling::{mass, without_flow};
+use crate::models::annulus_cooled_motor::cooling::mass;
 use crate::models::annulus_cooled_motor::network::Network;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, EnergyBalance, Outputs};
 use crate::solver::split::{State, System};
@@ -124,7 +124,7 @@ impl<const FORM: u8> Step<'_, FORM> {
             Some(network) => self.network_books(state, network, p.drive, &mut p.ledger),
             None => {
                 let error = p.ledger.error(&[(Ambient, p.to_ambient)]);
-                (without_flow(self.inputs, self.ambient.start), p.to_ambient, error)
+                (EnergyBalance::without_flow(self.inputs, self.ambient.start), p.to_ambient, error)
             }
         };
         let power_balance_error = error

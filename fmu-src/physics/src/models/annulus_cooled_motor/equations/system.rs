@@ -1,7 +1,7 @@
 //! The equations in the form of the integrator: derivatives, their Jacobian, and the energies of a step.
 
 use super::{CORE, NODES, Step, Temperatures, WINDING};
-use crate::effects::Port;
+use crate::effects::EffectPort;
 use crate::line::Line;
 use crate::solver::phi::product;
 use crate::solver::split::{Fast, Segment, System, Work};
@@ -190,7 +190,7 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
             (air_gap, air_gap - friction)
         };
         let mut load = 0.0;
-        if effects.acts.at(Port::PowerModeLoad) {
+        if effects.acts.at(EffectPort::PowerModeLoad) {
             let error_of_load;
             (load, error_of_load) = against([x0, xm, x1].map(|x| self.power_mode_torque(x[1])), 1);
             quadrature_error += error_of_load;
@@ -208,7 +208,7 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         let r = |n: usize| instants[n].r;
         let heating = |n: usize| (r(n) - r(2)) * segment.x[n][0] * segment.x[n][0];
         let mut drop = 0.0;
-        if effects.acts.at(Port::TerminalVoltage) {
+        if effects.acts.at(EffectPort::TerminalVoltage) {
             let error_of_drop;
             (drop, error_of_drop) = against(instants.map(|instant| instant.lost), 0);
             quadrature_error += error_of_drop;
@@ -257,6 +257,6 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
     #[inline]
     fn bends_where_stiff(&self) -> bool {
         // The contact voltage drop changes sign within milliamperes, which the current crosses in microseconds.
-        self.ports().acts.at(Port::TerminalVoltage) || self.loses() || self.coasts()
+        self.ports().acts.at(EffectPort::TerminalVoltage) || self.loses() || self.coasts()
     }
 }
