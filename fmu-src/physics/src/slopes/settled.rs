@@ -14,8 +14,9 @@ use super::{Known, Move, Slopes, Unknown};
 use crate::model::Slot;
 use nalgebra::{DMatrix, DVector};
 
-/// A start value has decayed to the rounding error after this number of time constants: -ln(eps).
-const FORGOTTEN: f64 = 36.0;
+/// Steps of more time constants than this settle a state: the start value has decayed below the rounding error, and the term that (1)
+/// neglects is at most the reciprocal of it.
+const SETTLED: f64 = 100.0;
 
 /// A state at the end of a step.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +81,7 @@ impl Slopes<'_> {
         }];
         let (ahead, behind) = (self.at(&step, unknowns, way), self.at(&step, unknowns, -way));
         let column: Vec<f64> = ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * way)).collect();
-        (-column[k] * h > FORGOTTEN).then_some(column)
+        (-column[k] * h > SETTLED).then_some(column)
     }
 }
 

@@ -1,14 +1,14 @@
 //! Clocks that were set during a run: a gap in the times across which the motor goes on as if none had passed.
 //!
 //! The simulation continues across a gap with the inputs between its two rows. A jump of the clock (summer time, a synchronisation) is a
-//! gap in which each temperature changes by less than [`SMALL`] of what the fitted model predicts, where that is more than the error of a
-//! thermometer.
+//! gap in which each temperature changes by less than [`SMALL`] of what the fitted model predicts, where that is more than [`FACTOR`] times the
+//! error of a thermometer.
 
 use super::signals::SENSOR_ERROR;
 use super::{Predicted, Unusable};
 use crate::comparison::converted;
 use crate::experiment::{Experiment, Run};
-use crate::levels::SMALL;
+use crate::levels::{FACTOR, SMALL};
 
 /// The first jump of a clock; `predicted` by run and output.
 pub fn found(experiment: &Experiment, predicted: &Predicted) -> Option<Unusable> {
@@ -45,7 +45,11 @@ fn jump(
         let change = |column: &[f64]| column[row + 1] - column[row];
         let (measured, meant) =
             (change(&run.table.columns[experiment.inputs.len() + k]), change(model.get(k)?));
-        (measured.is_finite() && meant.abs() > SENSOR_ERROR).then_some((channel.column, measured, meant))
+        (measured.is_finite() && meant.abs() > FACTOR * SENSOR_ERROR).then_some((
+            channel.column,
+            measured,
+            meant,
+        ))
     });
     let all: Vec<_> = changes.collect();
     let goes_on = all.iter().all(|(_, measured, meant)| measured.abs() < SMALL * meant.abs());

@@ -7,7 +7,7 @@ use crate::CalibrateError;
 use crate::experiment::Experiment;
 use crate::intake::signals::POSSIBLE;
 use crate::intake::{Unusable, declaration, median};
-use crate::levels::{FACTOR, PART, SAMPLES, SMALL, STRUCTURE};
+use crate::levels::{CERTAIN, FACTOR, PART, SAMPLES, SMALL, STRUCTURE};
 use crate::selection::LEAST;
 use crate::undeclared;
 use physics::declare::Unit;
@@ -149,10 +149,14 @@ pub(super) fn wrong_value(
     experiment: &Experiment,
     as_is: &Cost,
 ) -> Result<Option<Unusable>, CalibrateError> {
-    let agree = freed(judge, experiment, ANY_ORDER)?.into_iter().filter(|(_, cost, value, own)| {
+    let agree = freed(judge, experiment, ANY_ORDER)?.into_iter().filter(|(name, cost, value, own)| {
+        // A wide prior permits values of another order.
+        let prior = experiment.priors.iter().find(|p| p.name == *name);
+        let deviation = prior.map_or(0.0, |p| p.deviation.of(*own, *own));
         let share = value / own;
         let is_unit = share * ANY_ORDER > 1.0 && share < ANY_ORDER && !is_of_its_order(*value, *own);
-        is_unit && !cost.is_cut && cost.follows_all() && as_is.is_worse_than(cost, FACTOR, None)
+        let is_far = (value - own).abs() > CERTAIN * deviation;
+        is_unit && is_far && !cost.is_cut && cost.follows_all() && as_is.is_worse_than(cost, FACTOR, None)
     });
     let best = agree.min_by(|a, b| a.1.whole().total_cmp(&b.1.whole()));
     Ok(best.map(|(name, _, value, own)| Unusable {
