@@ -108,7 +108,7 @@ pub(super) fn wrong_time(
         of.map_or(("every run", whole.runs, ANOTHER_SIZE), |(file, runs)| (file, runs, SMALL));
     let judge = &Judge { runs, ..whole.clone() };
     let before = judge.outputs(experiment, &judge.predicted(experiment));
-    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor <= most);
+    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor < most);
     let mut best: Option<(f64, Mistake, Experiment)> = None;
     for mistake in mistakes(experiment).into_iter().filter(|m| worst(&before) > PART && is_shorter(m)) {
         let mut data = experiment.clone();
