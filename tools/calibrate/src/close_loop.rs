@@ -183,11 +183,9 @@ fn attempt<'a>(
     let (refit, setup) = (refit?, setup);
     let readings = refit.readings;
     let is_thin = readings < setup.declared.len();
-    let is_within_instruments =
-        !is_cut && in_time(&deadline, instruments::explain_rest(&setup, &refit))?.unwrap_or(false);
     let mut looked = None;
     is_cut |= options.extent == Extent::Unchecked;
-    if !(options.extent == Extent::Fit || is_thin || is_cut || is_within_instruments) {
+    if !(options.extent == Extent::Fit || is_thin || is_cut) {
         looked = in_time(&deadline, Search::new(&setup, refit.clone(), &fit))?;
         is_cut = looked.is_none();
     }
@@ -209,12 +207,6 @@ fn attempt<'a>(
                 "{readings} readings and {} parameters: too few readings to look for missing effects",
                 setup.declared.len()
             ));
-        }
-        if options.extent != Extent::Fit && is_within_instruments {
-            let words = instruments::words();
-            judgement
-                .notes
-                .push(format!("what the fit leaves is within {words}: no effect is looked for in it"));
         }
         let mut outcome = estimates::outcome(&setup, &point, &refit.hypothesis, judgement)?;
         outcome.is_cut = is_cut;
@@ -305,6 +297,8 @@ impl<'a> Search<'a> {
             .chain(self.refused.drain(..))
             .collect();
         let localised = self.localised();
+        // What instruments may err by needs no other explanation.
+        let is_explained = instruments::explain_rest(self.setup, &self.first.fitted)?;
         let notes = std::mem::take(&mut self.notes);
         let mut judgement =
             Judgement { localised, candidate_table, notes, ..Judgement::of(Verdict::Nothing, &self.first) };
@@ -320,7 +314,7 @@ impl<'a> Search<'a> {
                      residual there remains unexplained",
                     free.port.name()
                 ));
-            } else {
+            } else if !is_explained {
                 judgement.verdict = Verdict::Unexplained;
                 judgement.unexplained = Some(unexplained(&free, false));
                 judgement.beside = self.beside(free.port, &self.first);
@@ -346,6 +340,7 @@ impl<'a> Search<'a> {
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
         } else if effects.is_empty()
+            && !is_explained
             && let Some(rest) = self.left().iter().filter(|s| !s.listed).find(|s| !judgement.refutes(s))
             && rest.sure() > DECISIVE
         {

@@ -12,6 +12,7 @@ use crate::instruments::{self, accounts_for};
 use crate::intake::mean_square;
 use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, PART, STRUCTURE};
 use crate::linearization::Linearization;
+use crate::outcome::Follows;
 use crate::setup::{Setup, Shown};
 use physics::terms::Port;
 
@@ -75,8 +76,11 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     let [with, without] = [&candidate.point, before].map(|point| point.fitted.shown.as_slice());
     let seen = accounts_for(before.setup, &before.runs, [with, without]);
     let seen = validated.map_or(seen, |v| v.seen.max(seen));
-    let of_instruments =
-        (seen < 1.0).then(|| format!("accounts for {:.0} % of {}", 100.0 * seen, instruments::words()));
+    // A physical effect has one form, and a lag is no error of an instrument's reading; a law or an offset fits what other nodes leave.
+    let addition = candidate.addition();
+    let is_free = !addition.is_listed() || is_sensor(addition.port) && addition.follows != Follows::History;
+    let of_instruments = (is_free && seen < 1.0)
+        .then(|| format!("accounts for {:.0} % of {}", 100.0 * seen, instruments::words()));
     let of_output = validated.and_then(|v| v.worse).map(|(output, ratio)| {
         let channel = before.setup.experiment.outputs[output].column;
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
