@@ -1,6 +1,6 @@
 """An existing file is overwritten if it is an earlier result of the same command, or with --force; any other file is refused."""
 
-from pathlib import Path
+import os
 
 import pytest
 from test_cli_bad_input import CANNOT, one_sentence
@@ -132,11 +132,9 @@ def test_fit_and_close_loop_do_not_replace_the_results_of_each_other(motor_fmu, 
     assert (tmp_path / "out" / file).read_text() == texts[file]
 
 
-@pytest.mark.parametrize("place", ["-", "/dev/stdout", "/dev/fd/1"])
+@pytest.mark.parametrize("place", ["-", "/dev/stdout", "/dev/fd/1"] if os.name == "posix" else ["-"])
 def test_a_table_on_the_standard_output(motor_fmu, archive_paths, tmp_path, place):
     """The FMU runs in a process whose standard output is not that of the command."""
-    if place != "-" and not Path(place).exists():
-        pytest.skip("no such file on this platform")
     (tmp_path / "s.toml").write_text(SYSTEM.format(archive_paths[2]))
     for run in (("simulate", archive_paths[2], "--stop", "0.01", "--step", "0.001"), ("cosim", "s.toml")):
         table = motor_fmu(*run, "--output", "o.csv", "--force") and (tmp_path / "o.csv").read_text()

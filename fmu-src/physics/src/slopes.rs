@@ -30,6 +30,9 @@ const SETTLED: f64 = 1e-8;
 /// A variable is at a limit if the distance is below this fraction of the largest increment.
 const AT_LIMIT: f64 = 1e-3;
 
+/// No limits.
+const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
 /// A known, with respect to which the derivative is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Known {
@@ -54,6 +57,18 @@ pub struct Move {
     pub size: f64,
     /// Its limits.
     pub limits: (f64, f64),
+}
+
+impl Move {
+    /// Of a state, which has no limits.
+    pub fn of_state(k: usize, at: f64, seed: f64, size: f64) -> Move {
+        Move { known: Known::State(k), at, seed, size, limits: FREE }
+    }
+
+    /// Of the time, s.
+    pub fn of_time(at: f64, seed: f64) -> Move {
+        Move { known: Known::Time, at, seed, size: 1.0, limits: FREE }
+    }
 }
 
 /// An unknown.
@@ -320,8 +335,7 @@ mod tests {
                 motor.write_states(&[0.0, w]);
                 let mut slopes =
                     Slopes { base: &motor, scratch: &mut scratch, reached: false, restart: None };
-                let free = (f64::NEG_INFINITY, f64::INFINITY);
-                let moves = [Move { known: Known::State(1), at: w, seed: 1.0, size: 1000.0, limits: free }];
+                let moves = [Move::of_state(1, w, 1.0, 1000.0)];
                 let found = slopes.along(&moves, &unknowns)[0];
                 let dry = tau_c / w_small / (w / w_small).cosh().powi(2);
                 let square = w * w + w_small * w_small;

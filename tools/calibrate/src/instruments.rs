@@ -11,7 +11,7 @@ use crate::setup::{Setup, Shown};
 
 /// Error relative to the readings, of a temperature rise and of any other quantity. Source: resistance thermometer of class B, IEC 60751
 /// (0.5 % of the temperature); instruments of class 0.2, as IEC 60034-2-1 asks for in tests of motors.
-pub const CLASS: (f64, f64) = (5e-3, 2e-3);
+const CLASS: (f64, f64) = (5e-3, 2e-3);
 
 /// The errors in words.
 pub fn words() -> String {
@@ -22,11 +22,8 @@ pub fn words() -> String {
 /// Error of an output over runs, SI units.
 pub fn error(experiment: &Experiment, runs: &[usize], output: usize) -> f64 {
     let (square, _) = mean_square(experiment, runs, output);
-    if experiment.outputs[output].is_temperature() {
-        CLASS.0 * square.sqrt()
-    } else {
-        CLASS.1 * square.sqrt()
-    }
+    let class = if experiment.outputs[output].is_temperature() { CLASS.0 } else { CLASS.1 };
+    class * square.sqrt()
 }
 
 /// What one prediction accounts for beyond another, root mean square, relative to the error of instruments; of the output where this is most.

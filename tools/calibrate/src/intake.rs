@@ -299,7 +299,7 @@ fn deviations(
 /// error of one working thermometer is a note, and the run starts as measured: the motor may be warm, or the ambient temperature that of
 /// another place.
 fn start_elsewhere(experiment: &mut Experiment) -> Option<Unusable> {
-    let column = experiment.inputs.iter().find(|c| c.input == Some("ambient_temperature"))?.column;
+    let column = experiment.inputs.iter().find(|c| c.is_ambient())?.column;
     let mut notes = Vec::new();
     let mut warm = Vec::new();
     for (r, run) in experiment.runs.iter().enumerate().filter(|(_, run)| run.start == Start::Ambient) {
@@ -345,7 +345,7 @@ fn first_rises(experiment: &Experiment, run: &Run, zero: f64) -> Vec<(&'static s
 
 /// The ambient temperature at each row of a run, K; blank without such a column.
 fn ambient(experiment: &Experiment, run: &Run) -> Vec<f64> {
-    let place = experiment.inputs.iter().position(|c| c.input == Some("ambient_temperature"));
+    let place = experiment.inputs.iter().position(|c| c.is_ambient());
     let Some(place) = place else { return vec![f64::NAN; run.table.time.len()] };
     let mut last = run.table.columns[place].iter().copied().find(|x| x.is_finite()).unwrap_or(f64::NAN);
     let held = |x: &f64| {

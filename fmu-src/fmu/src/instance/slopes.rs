@@ -88,9 +88,7 @@ impl Instance {
         let declaration = self.model.declaration();
         let mut rates = vec![0.0; declaration.states.len()];
         self.model.derivatives(&mut rates).map_err(|fault| Refused::discard(fault.0))?;
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut moves =
-            vec![Move { known: Known::Time, at: self.model.time(), seed: 1.0, size: 1.0, limits: free }];
+        let mut moves = vec![Move::of_time(self.model.time(), 1.0)];
         let states: Vec<Reached> = (declaration.states.iter().zip(&rates))
             .map(|(&[state, _], &rate)| (&declaration.entries[state], rate))
             .map(|(entry, rate)| Reached { at: self.model.get(entry.slot), size: entry.row.nominal, rate })
@@ -99,9 +97,8 @@ impl Instance {
             let (h, tolerance) = (self.last_step, self.tolerance * TOLERANCE);
             rates = self.with_slopes(|slopes| slopes.settled(&states, h, tolerance));
         }
-        for (k, (state, &seed)) in states.iter().zip(&rates).enumerate() {
-            moves.push(Move { known: Known::State(k), at: state.at, seed, size: state.size, limits: free });
-        }
+        let pairs = states.iter().zip(&rates).enumerate();
+        moves.extend(pairs.map(|(k, (state, &rate))| Move::of_state(k, state.at, rate, state.size)));
         let mut out = self.slopes(&moves, &unknowns)?;
         let powers = declaration.states.iter().zip(&rates);
         let powers = powers.filter(|(state, _)| declaration.entries[state[0]].row.unit == Unit::Joule);
@@ -150,8 +147,7 @@ impl Instance {
 
     fn known(&mut self, known: Option<&'static Entry>, seed: f64) -> Outcome<Move> {
         let Some(entry) = known else {
-            let limits = (f64::NEG_INFINITY, f64::INFINITY);
-            return Ok(Move { known: Known::Time, at: self.model.time(), seed, size: 1.0, limits });
+            return Ok(Move::of_time(self.model.time(), seed));
         };
         let starting = self.mode == Mode::Initialization;
         let known = match entry.slot.group {

@@ -10,7 +10,7 @@
 //! tolerance permits, and where f agrees with it within the tolerance.
 //! *Source*: Kokotovic, Khalil, O'Reilly, Singular Perturbation Methods in Control (1986), section 1.2.
 
-use super::{Known, Move, Slopes, Unknown};
+use super::{Move, Slopes, Unknown};
 use crate::model::Slot;
 use nalgebra::{DMatrix, DVector};
 
@@ -40,18 +40,9 @@ impl Slopes<'_> {
         if fast.is_empty() {
             return rates;
         }
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut moves =
-            vec![Move { known: Known::Time, at: self.base.time(), seed: 1.0, size: 1.0, limits: free }];
-        for (k, state) in states.iter().enumerate().filter(|(k, _)| columns[*k].is_none()) {
-            moves.push(Move {
-                known: Known::State(k),
-                at: state.at,
-                seed: state.rate,
-                size: state.size,
-                limits: free,
-            });
-        }
+        let mut moves = vec![Move::of_time(self.base.time(), 1.0)];
+        let slow = states.iter().enumerate().filter(|(k, _)| columns[*k].is_none());
+        moves.extend(slow.map(|(k, state)| Move::of_state(k, state.at, state.rate, state.size)));
         let asked: Vec<Unknown> = fast.iter().map(|&k| unknowns[k]).collect();
         let forcing =
             DVector::from_iterator(fast.len(), self.along(&moves, &asked).iter().map(|slope| -slope.value));
@@ -72,13 +63,7 @@ impl Slopes<'_> {
     fn column(&mut self, k: usize, states: &[Reached], unknowns: &[Unknown], h: f64) -> Option<Vec<f64>> {
         let state = &states[k];
         let way = f64::EPSILON.sqrt() * state.size.max(state.at.abs());
-        let step = [Move {
-            known: Known::State(k),
-            at: state.at,
-            seed: 1.0,
-            size: state.size,
-            limits: (f64::NEG_INFINITY, f64::INFINITY),
-        }];
+        let step = [Move::of_state(k, state.at, 1.0, state.size)];
         let (ahead, behind) = (self.at(&step, unknowns, way), self.at(&step, unknowns, -way));
         let column: Vec<f64> = ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * way)).collect();
         (-column[k] * h > SETTLED).then_some(column)

@@ -96,6 +96,11 @@ impl Channel {
     pub fn is_temperature(&self) -> bool {
         self.offset != 0.0
     }
+
+    /// Whether it is the ambient temperature.
+    pub fn is_ambient(&self) -> bool {
+        self.input == Some("ambient_temperature")
+    }
 }
 
 /// The node of a model whose temperature an output is.

@@ -78,7 +78,13 @@ struct Judge<'a> {
     deadline: Deadline,
 }
 
-impl Judge<'_> {
+impl<'a> Judge<'a> {
+    /// Of these runs alone, by the preset.
+    fn of(preset: &'a [(u32, f64)], runs: &'a [usize], deadline: &Deadline) -> Judge<'a> {
+        let deadline = deadline.clone();
+        Judge { preset, runs, beside: Vec::new(), base: None, most: f64::INFINITY, deadline }
+    }
+
     fn predicted(&self, experiment: &Experiment) -> Predicted {
         let by_fit = self.base.as_ref().and_then(|base| {
             super::predicted_by(experiment, self.preset, self.runs, base, &self.deadline).ok()
@@ -235,14 +241,7 @@ pub fn contradiction(
 ) -> Result<Result<Vec<Option<Reference>>, Unusable>, CalibrateError> {
     let all: Vec<usize> = super::all_runs(experiment);
     let mut thin = thinned(experiment, ROWS);
-    let whole = Judge {
-        preset,
-        runs: &all,
-        beside: Vec::new(),
-        base: None,
-        most: f64::INFINITY,
-        deadline: deadline.clone(),
-    };
+    let whole = Judge::of(preset, &all, deadline);
     if let Some(unusable) = wrong_time(&whole, &thin, None)? {
         return Ok(Err(unusable));
     }
@@ -280,14 +279,7 @@ pub fn contradicting_value(
     deadline: &Deadline,
 ) -> Result<Option<Unusable>, CalibrateError> {
     let (all, thin) = (super::all_runs(experiment), thinned(experiment, ROWS));
-    let judge = Judge {
-        preset,
-        runs: &all,
-        beside: Vec::new(),
-        base: None,
-        most: f64::INFINITY,
-        deadline: deadline.clone(),
-    };
+    let judge = Judge::of(preset, &all, deadline);
     let as_is = fitted(&judge, &thin)?;
     if as_is.is_cut || as_is.bad_runs().is_empty() { Ok(None) } else { wrong_value(&judge, &thin, &as_is) }
 }

@@ -121,9 +121,8 @@ impl Mistake {
             Mistake::Rise(columns) | Mistake::Reversed(columns) => columns,
             _ => return false,
         };
-        let all = channels(experiment);
         let is_warm = || experiment.runs.iter().any(|run| run.start == Start::Measured);
-        columns.iter().all(|k| all[*k].is_temperature()) && (columns.len() > 1 || is_warm())
+        self.is_of_temperatures(experiment) && (columns.len() > 1 || is_warm())
     }
 
     /// Whether the readings permit it: those of a heated ambient sensor rise and fall with a temperature of the motor, so that a common
@@ -290,10 +289,6 @@ impl Mistake {
     }
 }
 
-fn is_ambient(channel: &Channel) -> bool {
-    channel.input == Some("ambient_temperature")
-}
-
 fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
     experiment.inputs.iter().chain(&experiment.outputs).copied().collect()
 }
@@ -397,7 +392,7 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     // Columns of one quantity usually come from one logger; the ambient temperature may come from another one.
     for unit in quantities {
         let columns: Vec<usize> = (0..all.len()).filter(|k| all[*k].unit == unit).collect();
-        let of_motor: Vec<usize> = columns.iter().copied().filter(|k| !is_ambient(all[*k])).collect();
+        let of_motor: Vec<usize> = columns.iter().copied().filter(|k| !all[*k].is_ambient()).collect();
         let is_other = unit == Unit::Kelvin && of_motor.len() > 1;
         if is_other {
             found.extend([Mistake::Rise(of_motor.clone()), Mistake::Reversed(of_motor.clone())]);

@@ -308,10 +308,9 @@ fn confirmed(
         if as_meant.is_cut {
             break;
         }
-        let as_is = without.as_ref().unwrap_or(as_is);
-        let factor = one.mistake.factor();
-        let is_better = as_is.is_worse_than(&as_meant, factor, None)
-            && (!one.mistake.is_of_temperatures(at) || as_is.is_worse_in_shape(&as_meant, factor));
+        let (unchanged, factor) = (without.as_ref().unwrap_or(as_is), one.mistake.factor());
+        let is_better = unchanged.is_worse_than(&as_meant, factor, None)
+            && (!one.mistake.is_of_temperatures(at) || unchanged.is_worse_in_shape(&as_meant, factor));
         // What changes the level alone is a hypothesis about one number, which a missing effect confirms in part: it has to leave nothing.
         let is_whole = !one.mistake.is_level(at) || as_meant.agrees(as_is);
         if is_better && is_whole && as_meant.whole() <= judge.most {
