@@ -4,7 +4,7 @@ use crate::drawing;
 use crate::existing::{Force, check_apart, check_place, is_stdout};
 use crate::outputs::{self, Shown};
 use crate::parent;
-use crate::simulate::{check_once, is_a_number, remarks, rounded, setting, significant};
+use crate::simulate::{check_once, is_a_number, remarks, rounded, setting, significant, time};
 use clap::ValueEnum;
 use cosim::{Algorithm, Log, PowerBond, SspForm, System, SystemOptions, SystemRun, cosimulate};
 use serde_json::{Map, Value, json};
@@ -16,14 +16,14 @@ use std::process::ExitCode;
 pub struct Args {
     /// The system: SYSTEM.ssp or SYSTEM.toml
     pub system: PathBuf,
-    /// Start time in s [default: that of the system, else 0]
-    #[arg(long, value_name = "S")]
+    /// Start time in s or with a unit [default: that of the system, else 0]
+    #[arg(long, value_name = "S", value_parser = time)]
     start: Option<f64>,
-    /// Stop time in s [default: that of the system, else 1 s after the start]
-    #[arg(long, value_name = "S")]
+    /// Stop time in s or with a unit, such as "10 min" [default: that of the system, else 1 s after the start]
+    #[arg(long, value_name = "S", value_parser = time)]
     stop: Option<f64>,
-    /// Communication step in s [default: that of the system, else the shortest that an FMU proposes]
-    #[arg(long, value_name = "H")]
+    /// Communication step in s or with a unit [default: that of the system, else the shortest that an FMU proposes]
+    #[arg(long, value_name = "H", value_parser = time)]
     step: Option<f64>,
     /// Set a parameter or input of a component, or an input of the system: a number in its unit, of a component also with another unit
     /// of the quantity, such as "35 degC". May be repeated
@@ -125,7 +125,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         stop: args.stop,
         step: args.step,
         tolerance: args.tolerance,
-        sets: args.shown.sets_of_system(args.sets, &system)?,
+        sets: args.shown.sets_of_system(args.sets, &system),
         input: args.input,
         display_units: args.shown.has_display_units(),
         algorithm: args.algorithm.into(),

@@ -166,52 +166,39 @@ impl Shown {
         named
     }
 
-    /// Settings in the units of the interface: a number may have its own unit; without one it is in the chosen units.
-    pub fn sets(
-        &self,
-        sets: Vec<(String, String)>,
-        description: &ModelDescription,
-    ) -> Result<Vec<(String, String)>, Failure> {
+    /// Settings in the units of the interface: a number without a unit is in the chosen units.
+    fn set(&self, name: &str, text: String, description: &ModelDescription) -> String {
+        let variable = description.variable(name).filter(|v| v.kind.is_float() && self.has_display_units());
+        let display = variable.and_then(|variable| description.display_unit(variable));
+        match (display, units::split(&text)) {
+            (Some(display), Some((number, ""))) => of_display(&display, number).to_string(),
+            _ => text,
+        }
+    }
+
+    /// Settings of an FMU.
+    pub fn sets(&self, sets: Vec<(String, String)>, description: &ModelDescription) -> Vec<(String, String)> {
         let convert = |(name, text): (String, String)| {
-            let Some(variable) = description.variable(&name).filter(|v| v.kind.is_float()) else {
-                return Ok((name, text));
-            };
-            let Some((number, unit)) = units::split(&text) else { return Ok((name, text)) };
-            let own = variable.unit.as_deref().unwrap_or("1");
-            let value = match (unit, description.display_unit(variable)) {
-                ("", Some(display)) if self.has_display_units() => of_display(&display, number),
-                ("", _) if text.parse::<f64>().is_ok() => return Ok((name, text)),
-                ("", _) => number,
-                (unit, _) => {
-                    let refused = |refusal| {
-                        Failure::new(format!("{name} has the unit \"{own}\", not \"{unit}\": {refusal}"))
-                    };
-                    units::conversion(unit, own, variable.relative).map_err(refused)?.of(number)
-                }
-            };
-            Ok((name, value.to_string()))
+            let text = self.set(&name, text, description);
+            (name, text)
         };
         sets.into_iter().map(convert).collect()
     }
-}
 
-impl Shown {
     /// Settings `component.variable` of a system in the units of the interface; other names are inputs of the system, whose values stay.
-    pub fn sets_of_system(
-        &self,
-        sets: Vec<(String, String)>,
-        system: &System,
-    ) -> Result<Vec<(String, String)>, Failure> {
+    pub fn sets_of_system(&self, sets: Vec<(String, String)>, system: &System) -> Vec<(String, String)> {
         let convert = |(name, text): (String, String)| {
             let owner = |(component, description)| {
-                let variable = name.strip_prefix(component)?.strip_prefix('.')?.to_owned();
+                let variable = name.strip_prefix(component)?.strip_prefix('.')?;
                 Some((variable, description))
             };
             // Names of components may have dots: the longest one counts.
             let found = system.descriptions().filter_map(owner).min_by_key(|(variable, _)| variable.len());
-            let Some((variable, description)) = found else { return Ok((name, text)) };
-            let mut converted = self.sets(vec![(variable, text)], description)?;
-            Ok((name, converted.swap_remove(0).1))
+            let text = match found {
+                Some((variable, description)) => self.set(variable, text, description),
+                None => text,
+            };
+            (name, text)
         };
         sets.into_iter().map(convert).collect()
     }

@@ -18,14 +18,14 @@ const MAX_MESSAGES: usize = 5;
 pub struct Args {
     /// The FMU
     pub file: PathBuf,
-    /// Start time in s [default: that of the FMU, else 0]
-    #[arg(long, value_name = "S")]
+    /// Start time in s or with a unit [default: that of the FMU, else 0]
+    #[arg(long, value_name = "S", value_parser = time)]
     start: Option<f64>,
-    /// Stop time in s [default: that of the FMU, else 1 s after the start]
-    #[arg(long, value_name = "S")]
+    /// Stop time in s or with a unit, such as "10 min" [default: that of the FMU, else 1 s after the start]
+    #[arg(long, value_name = "S", value_parser = time)]
     stop: Option<f64>,
-    /// Communication step in s [default: that of the FMU, else a 500th of the time]
-    #[arg(long, value_name = "H")]
+    /// Communication step in s or with a unit [default: that of the FMU, else a 500th of the time]
+    #[arg(long, value_name = "H", value_parser = time)]
     step: Option<f64>,
     /// Set a parameter or input: a number in its unit or with another unit of the quantity, such as "3000 rpm"; an enumeration by the
     /// name of an item. May be repeated
@@ -92,7 +92,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     let archive = Archive::open(&args.file)?;
     may_write(&args, archive.description())?;
     check_once(&args.sets)?;
-    let sets = args.shown.sets(args.sets, archive.description())?;
+    let sets = args.shown.sets(args.sets, archive.description());
     let read = |path| InputTable::read(path, archive.description(), args.shown.has_display_units());
     let input = args.input.as_deref().map(read).transpose()?;
     crate::remark(input.iter().flat_map(InputTable::notes).cloned().collect::<Vec<_>>().as_slice());
@@ -186,6 +186,11 @@ pub fn check_once(sets: &[(String, String)]) -> Result<(), Failure> {
         }
         None => Ok(()),
     }
+}
+
+/// A time in s; the text may have another unit.
+pub fn time(text: &str) -> Result<f64, String> {
+    units::number(text, "s")
 }
 
 /// `name=value`; the value may have further equal signs.

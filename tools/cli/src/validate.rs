@@ -24,11 +24,11 @@ pub struct Args {
     patience: f64,
 }
 
-/// A time limit.
+/// A time limit in s; the text may have another unit.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
+    match units::number(text, "s") {
         Ok(s) if s > 0.0 && s <= 86_400.0 => Ok(s),
-        _ => Err("it must be a number of seconds above 0, at most 86400".to_owned()),
+        Ok(_) | Err(_) => Err("it must be a number of seconds above 0, at most 86400".to_owned()),
     }
 }
 

@@ -107,7 +107,7 @@ pub enum Error {
         expected: String,
     },
     /// The value lies outside the declared limits.
-    #[error("{name} = {}{} is outside its limits {}", number(*value), spaced(unit), limits(*min, *max))]
+    #[error("{name} = {}{} is outside its limits {}{}{}", number(*value), spaced(unit), limits(*min, *max), spaced(unit), if *relative { String::new() } else { celsius(*value, unit, *min, *max) })]
     OutOfRange {
         /// The variable.
         name: String,
@@ -119,6 +119,8 @@ pub enum Error {
         max: Option<f64>,
         /// Declared unit.
         unit: Option<String>,
+        /// Whether it is a difference, of temperatures for example.
+        relative: bool,
     },
     /// A simulation option makes no sense.
     #[error("{option} = {value} {reason}")]
@@ -166,7 +168,7 @@ pub(crate) fn because(messages: &[LogMessage]) -> String {
     if texts.is_empty() { String::new() } else { format!(": {}", texts.join("; ")) }
 }
 
-fn suggestion(near: &[String]) -> String {
+pub(crate) fn suggestion(near: &[String]) -> String {
     if near.is_empty() { String::new() } else { format!(", did you mean {}?", near.join(" or ")) }
 }
 
@@ -177,6 +179,17 @@ fn spaced(unit: &Option<String>) -> String {
 fn limits(min: Option<f64>, max: Option<f64>) -> String {
     let text = |x: Option<f64>, none: &str| x.map_or(none.to_owned(), number);
     format!("{} ... {}", text(min, "-inf"), text(max, "inf"))
+}
+
+/// For a temperature that would be within its limits in degC.
+fn celsius(value: f64, unit: &Option<String>, min: Option<f64>, max: Option<f64>) -> String {
+    let kelvin = value + 273.15;
+    let is_within = min.is_none_or(|min| kelvin >= min) && max.is_none_or(|max| kelvin <= max);
+    if unit.as_deref() == Some("K") && is_within {
+        format!("; {} degC is within them", number(value))
+    } else {
+        String::new()
+    }
 }
 
 #[cfg(test)]

@@ -75,7 +75,8 @@ impl InputTable {
     ) -> Result<Self, Error> {
         Self::parse_for(path, bytes, &|name, unit| {
             let variable = description.settable(name).map_err(|e| format!("unknown column: {e}"))?;
-            let convert = from_unit(description, variable, unit, display_units)?;
+            let convert = from_unit(description, variable, unit, display_units)
+                .map_err(|refused| format!("column {name} {refused}"))?;
             Ok(vec![Target { component: 0, description, variable, convert }])
         })
     }
@@ -311,7 +312,7 @@ pub(crate) fn from_unit(
             let own = of_variable.map_or("no unit".to_owned(), |u| format!("the unit {u:?}"));
             let why =
                 refused.err().map_or(format!("{wanted:?} is a reciprocal"), |refusal| refusal.to_string());
-            Err(format!("column {} has {own}, and {why}", variable.name))
+            Err(format!("has {own}, and {why}"))
         }
     }
 }

@@ -1,4 +1,6 @@
 //! Text to values: `--set name=value`, cells of input tables.
+use crate::error::suggestion;
+use crate::input::from_unit;
 use crate::{Causality, Error, Kind, ModelDescription, Variability, Variable};
 
 /// A value that a variable can be set to.
@@ -71,12 +73,17 @@ impl ModelDescription {
         Err(Error::unsupported(name, "cannot be recorded: it is not a number"))
     }
 
-    /// `text` as a value of `variable`, within its limits.
+    /// `text` as a value of `variable`, within its limits. A real number may have a unit, such as `300 rpm`: one of the FMU or any of the
+    /// quantity; without one it is in the unit of the variable.
     ///
     /// # Errors
-    /// [`Error::BadValue`], [`Error::OutOfRange`], [`Error::Unsupported`] for arrays, binaries and clocks.
+    /// [`Error::BadValue`], [`Error::OutOfRange`], [`Error::Unsupported`] for a unit of another quantity and for arrays, binaries and clocks.
     pub fn value_of(&self, variable: &Variable, text: &str) -> Result<Value, Error> {
-        let value = self.typed_value(variable, text)?;
+        let number = match number_with_unit(variable, text) {
+            Some((number, unit)) => Some(in_unit(self, variable, number, unit)?.to_string()),
+            None => None,
+        };
+        let value = self.typed_value(variable, number.as_deref().unwrap_or(text))?;
         check_limits(variable, &value)?;
         Ok(value)
     }
@@ -117,10 +124,11 @@ impl ModelDescription {
                 self.item(variable, text).map(|i| Value::Integer(i.into())).ok_or_else(|| {
                     let items = self.enumeration(variable).map_or(&[][..], |e| &e.items);
                     let names: Vec<_> = items.iter().map(|i| format!("{} ({})", i.name, i.value)).collect();
+                    let near = nearest(text, items.iter().map(|i| i.name.as_str()));
                     bad(if names.is_empty() {
                         "an item of its enumeration".to_owned()
                     } else {
-                        format!("one of {}", names.join(", "))
+                        format!("one of {}{}", names.join(", "), suggestion(&near))
                     })
                 })
             }
@@ -153,6 +161,31 @@ impl ModelDescription {
     fn settable_role(&self, v: &Variable) -> bool {
         matches!(v.causality, Causality::Parameter | Causality::StructuralParameter | Causality::Input)
     }
+}
+
+/// The number and its unit, if the text of a real variable is no plain number: `300 rpm`, `0,5`.
+pub(crate) fn number_with_unit<'t>(variable: &Variable, text: &'t str) -> Option<(f64, &'t str)> {
+    let is_scalar = variable.kind.is_float() && variable.dimensions.is_empty();
+    let is_plain = text.trim().parse::<f64>().is_ok();
+    units::split(text).filter(|_| is_scalar && !is_plain)
+}
+
+/// A number with a unit, in the unit of the variable.
+pub(crate) fn in_unit(
+    description: &ModelDescription,
+    variable: &Variable,
+    number: f64,
+    unit: &str,
+) -> Result<f64, Error> {
+    let unit = Some(unit).filter(|unit| !unit.is_empty());
+    let refused = match from_unit(description, variable, unit, false) {
+        Ok(convert) => return Ok(convert.of(number)),
+        Err(refused) => refused,
+    };
+    // A torque constant in rpm/V, a conductance in K/W.
+    let own = variable.unit.as_deref().unwrap_or("1");
+    let usual = units::conversion(unit.unwrap_or(own), own, variable.relative);
+    usual.map(|usual| usual.of(number)).map_err(|_| Error::unsupported(&variable.name, refused))
 }
 
 /// At most three of the `candidates` similar to `name`, best first.
@@ -198,6 +231,7 @@ pub(crate) fn check_limits(variable: &Variable, value: &Value) -> Result<(), Err
         min: variable.min,
         max: variable.max,
         unit: variable.unit.clone(),
+        relative: variable.relative,
     })
 }
 

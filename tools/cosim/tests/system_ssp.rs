@@ -47,6 +47,16 @@ fn values_units_and_directions_arrive() {
     assert_eq!(r.notes, [] as [&str; 0]);
 }
 
+/// A unit in the text of a setting is that of its number, also where the connector has another one.
+#[test]
+fn settings_may_have_units_of_their_own() {
+    let expected = last(&run(SSD, &[]), "rotor.speed");
+    for push in ["-2000", "-2 N.m", "-0,002 kN.m", "-200 N.cm"] {
+        close(last(&run(SSD, &[("push", push)]), "rotor.speed"), expected);
+    }
+    close(last(&run(SSD, &[("rotor.w", "120 rpm")]), "rotor.speed"), expected + 60.0 * RPM);
+}
+
 #[test]
 fn connections_transform_and_may_suppress_the_units() {
     let text = "endElement=\"rotor\" endConnector=\"speed\"/>";

@@ -200,3 +200,20 @@ fn long_runs_keep_a_round_share_of_the_points() {
     // 30000 is no multiple of 7: the end is kept all the same.
     assert_eq!((asked.recording.times.len(), *asked.recording.times.last().unwrap()), (4287, 300.0));
 }
+
+/// The same system in other units: every digit is the same where the conversion is exact.
+#[test]
+fn times_and_values_of_a_file_may_have_units() {
+    let text = PAIR.replace("w = 1.0", "w = \"1000 mrad/s\"");
+    assert_ne!(text, PAIR);
+    let plain = pair(&SystemOptions { stop: Some(0.5), step: Some(0.01), ..SystemOptions::default() });
+    let times = "[experiment]\nstop = \"500 ms\"\nstep = \"0.01 s\"\n";
+    let head = text.split("[experiment]").next().unwrap();
+    let rest = text.find("[[component]]").map(|at| &text[at..]).unwrap();
+    let text = format!("{}{times}{rest}", head.split("[[component]]").next().unwrap());
+    let run =
+        cosimulate(&Folder::new().toml(&text).unwrap(), &SystemOptions::default(), &mut |_| ()).unwrap();
+    assert_eq!(run.recording.times, plain.recording.times);
+    let speed = |run: &SystemRun| run.recording.column("rotor.speed").unwrap().values.clone();
+    assert_eq!(speed(&run), speed(&plain));
+}

@@ -167,7 +167,10 @@ pub fn unchanged() -> Conversion {
 /// number, or a comma that may separate thousands or decimals, as in `7,590`.
 pub fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
-    let pointed = if text.contains('.') { text.to_owned() } else { text.replacen(',', ".", 1) };
+    // A dot of the unit, as in N.m, is none of the number.
+    let numeric = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | ',');
+    let digits = text.find(|c| !numeric(c)).map_or(text, |end| &text[..end]);
+    let pointed = if digits.contains('.') { text.to_owned() } else { text.replacen(',', ".", 1) };
     // The longest beginning that is a number: 1e3 is one, 1eV is 1 with a unit.
     let ends = pointed.char_indices().map(|(at, c)| at + c.len_utf8()).rev();
     let (number, end) =
@@ -183,9 +186,46 @@ pub fn split(text: &str) -> Option<(f64, &str)> {
     (starts_as_number && !unit.starts_with([',', '.'])).then_some((number, unit))
 }
 
+/// The number of a text in the unit `unit`; a unit behind the number may be another of the same quantity.
+///
+/// # Errors
+/// A text that is no finite number, a unit that does not fit: one sentence without its end.
+pub fn number(text: &str, unit: &str) -> Result<f64, String> {
+    let plain = text.trim().parse::<f64>().ok().map(|number| (number, ""));
+    let (number, given) =
+        plain.or_else(|| split(text)).ok_or_else(|| format!("expected a number in {unit}"))?;
+    let number = match given {
+        "" => number,
+        given => conversion(given, unit, false).map_err(|refusal| refusal.to_string())?.of(number),
+    };
+    if number.is_finite() { Ok(number) } else { Err(format!("expected a finite number in {unit}")) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_has_the_unit_that_is_wanted_or_its_own() {
+        for (text, seconds) in [
+            ("2.5", 2.5),
+            ("10 min", 600.0),
+            ("1ms", 1e-3),
+            ("-0,5 h", -1800.0),
+            ("0,1 N.m.s/(N.m)", 0.1),
+            ("1e3", 1e3),
+        ] {
+            assert_eq!(number(text, "s"), Ok(seconds), "{text}");
+        }
+        for (text, why) in [
+            ("soon", "expected a number in s"),
+            ("3 rpm", "\"rpm\" is not a unit of the same quantity as \"s\""),
+            ("inf", "expected a finite number in s"),
+            ("", "expected a number in s"),
+        ] {
+            assert_eq!(number(text, "s"), Err(why.to_owned()), "{text}");
+        }
+    }
 
     fn si(value: f64, from: &str, to: &str) -> f64 {
         conversion(from, to, false).unwrap_or_else(|e| panic!("{from} to {to}: {e}")).of(value)

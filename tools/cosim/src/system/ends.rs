@@ -2,6 +2,7 @@
 use super::parts::{Parts, Port};
 use super::structure::{Connection, Connector, Direction, End, Sort};
 use super::units::{Affine, conversion, unit_of};
+use crate::error::suggestion;
 use crate::value::nearest;
 use crate::{Causality, Error, Kind, Unit, Variable};
 
@@ -34,13 +35,13 @@ pub(crate) fn find<'a>(parts: Parts<'a>, connection: &Connection, end: &'a End) 
     };
     let Some(component) = structure.components.iter().position(|c| c.name == *name) else {
         let names = structure.components.iter().map(|c| c.name.as_str());
-        return Err(fault(format!("there is no component {name}{}", hint(nearest(name, names)))));
+        return Err(fault(format!("there is no component {name}{}", suggestion(&nearest(name, names)))));
     };
     let description = parts.description(component);
     let Some(variable) = description.variables.iter().position(|v| v.name == end.connector) else {
         let signals = description.variables.iter().filter(|v| direction(v) != Direction::Parameter);
         let near = nearest(&end.connector, signals.map(|v| v.name.as_str()));
-        return Err(fault(format!("{name} has no variable {}{}", end.connector, hint(near))));
+        return Err(fault(format!("{name} has no variable {}{}", end.connector, suggestion(&near))));
     };
     let port = Port { component, variable };
     let variable = parts.variable(port);
@@ -104,8 +105,4 @@ pub(crate) fn named(unit: &Option<Unit>) -> &str {
 
 pub(crate) fn no_signal(name: &str, variable: &Variable) -> String {
     format!("{name} is a {}, and connections join outputs and inputs", variable.causality)
-}
-
-fn hint(near: Vec<String>) -> String {
-    if near.is_empty() { String::new() } else { format!(", did you mean {}?", near.join(" or ")) }
 }

@@ -4,7 +4,7 @@ use super::parts::{Parts, Port};
 use super::settings::owner;
 use super::units::{Affine, conversion, unit_of};
 use crate::input::{Target, from_unit};
-use crate::{Error, InputTable};
+use crate::{Error, InputTable, ModelDescription, Variable};
 use std::path::Path;
 
 /// Reads the table at `path` for the inputs of a system that nothing else sets. A column `component.variable` without a unit is in the
@@ -32,6 +32,16 @@ pub(crate) fn read(
     })
 }
 
+fn converted(
+    description: &ModelDescription,
+    variable: &Variable,
+    unit: Option<&str>,
+    display_units: bool,
+) -> Result<Affine, String> {
+    from_unit(description, variable, unit, display_units)
+        .map_err(|refused| format!("column {} {refused}", variable.name))
+}
+
 fn targets<'a>(
     name: &str,
     unit: Option<&str>,
@@ -49,7 +59,7 @@ fn targets<'a>(
         } else {
             let inner = unit_of(description, variable);
             let outward = conversion(inner.as_ref(), input.unit.as_ref(), variable.relative);
-            from_unit(description, variable, unit, false)?.then(outward.unwrap_or(Affine::IDENTITY))
+            converted(description, variable, unit, false)?.then(outward.unwrap_or(Affine::IDENTITY))
         };
         let convert = to_connector.then(input.convert);
         let target = Target { component: input.port.component, description, variable, convert };
@@ -66,7 +76,7 @@ fn targets<'a>(
     let description = parts.description(component);
     let variable = description.settable(inner).map_err(|e| format!("unknown column: {e}"))?;
     let place = description.variables.iter().position(|v| v.name == inner).unwrap_or(0);
-    let convert = from_unit(description, variable, unit, display_units)?;
+    let convert = converted(description, variable, unit, display_units)?;
     let port = Port { component, variable: place };
     Ok(vec![(Target { component, description, variable, convert }, port)])
 }

@@ -2,6 +2,7 @@
 use super::ends::named;
 use super::structure::{Component, Place, Setting, Structure};
 use super::units::{Affine, conversion, unit_of};
+use crate::value::{in_unit, number_with_unit};
 use crate::{Error, ModelDescription, Unit, Value};
 
 /// A setting with its origin.
@@ -50,12 +51,18 @@ pub(crate) fn value(
         let reason = format!("is in {inner}, its value in {unit}: these cannot be converted");
         return Err(Error::unsupported(&variable.name, reason));
     };
-    let convert = convert.then(setting.linear).then(way);
-    let number: Option<f64> = setting.text.trim().parse().ok();
-    let text = match number.filter(|_| convert != Affine::IDENTITY && variable.kind.is_float()) {
-        Some(number) => convert.of(number).to_string(),
-        None => setting.text.clone(),
+    let beside = setting.linear.then(way);
+    let plain = || setting.text.trim().parse().ok().filter(|_: &f64| variable.kind.is_float());
+    let number = match number_with_unit(variable, &setting.text) {
+        // The unit in the text is that of the number, whatever the unit of the connector is.
+        Some((number, unit)) => {
+            let outward = conversion(inner.as_ref(), outer, variable.relative).unwrap_or(Affine::IDENTITY);
+            Some((in_unit(description, variable, number, unit)?, outward.then(beside)))
+        }
+        None => plain().map(|number| (number, convert.then(beside))).filter(|(_, c)| *c != Affine::IDENTITY),
     };
+    let text =
+        number.map_or_else(|| setting.text.clone(), |(number, convert)| convert.of(number).to_string());
     Ok((place, description.value_of(variable, &text)?))
 }
 

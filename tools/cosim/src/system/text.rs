@@ -43,9 +43,29 @@ struct Head {
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct Experiment {
-    start: Option<f64>,
-    stop: Option<f64>,
-    step: Option<f64>,
+    start: Option<Time>,
+    stop: Option<Time>,
+    step: Option<Time>,
+}
+
+/// A time in s, or a text with its unit.
+#[derive(Deserialize)]
+#[serde(try_from = "Value")]
+struct Time(f64);
+
+impl TryFrom<Value> for Time {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        match value {
+            Value::Integer(number) => Ok(Self(number as f64)),
+            Value::Float(number) => Ok(Self(number)),
+            Value::String(text) => {
+                units::number(&text, "s").map(Self).map_err(|why| format!("{text:?}: {why}"))
+            }
+            other => Err(format!("{other} is not a time: expected a number in s or a text with a unit")),
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -53,7 +73,7 @@ struct Experiment {
 struct Entry {
     name: Spanned<String>,
     fmu: String,
-    step: Option<f64>,
+    step: Option<Time>,
     #[serde(default)]
     set: BTreeMap<Spanned<String>, Value>,
 }
@@ -147,7 +167,7 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
         let place = lines.of(&entry.name);
         components.push(Component {
             name: entry.name.into_inner(),
-            step: entry.step,
+            step: entry.step.map(|Time(s)| s),
             path: folder.join(&entry.fmu),
             source: entry.fmu,
             connectors: None,
@@ -178,9 +198,9 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
     settings.extend(lines.settings(document.system.set)?);
     Ok(Structure {
         name: document.system.name.into_inner(),
-        start: document.experiment.start,
-        stop: document.experiment.stop,
-        step: document.experiment.step,
+        start: document.experiment.start.map(|Time(s)| s),
+        stop: document.experiment.stop.map(|Time(s)| s),
+        step: document.experiment.step.map(|Time(s)| s),
         components,
         connectors: None,
         settings,
