@@ -5,7 +5,7 @@
 //! | `load.rs`, `load/file.rs` | `gait.toml`: the motor, the actuator and the gait, by name |
 //! | `walker.rs`, `periodic.rs`, `motor_state.rs` | what moves the motor over a period: one of the following three; its means and peaks; its temperatures |
 //! | `stride.rs` | the three models coupled, one stride at a time: the map of the temperatures over a stride |
-//! | `shaft.rs`, `cycle_file.rs` | a motor under a cycle of torque and speed from a CSV file |
+//! | `shaft.rs`, `cycle_file.rs`, `cycle_file/usual.rs` | a motor under a cycle of torque and speed from a CSV file |
 //! | `mix.rs`, `mix_file.rs` | phases of several loads and rest |
 //! | `cycle.rs`, `envelope.rs` | fixed point of that map, and its iteration over hours |
 //! | `answer.rs` | periodic steady state, time to the winding's limit, objectives of sweeps |

@@ -11,10 +11,13 @@
 //! inertia = "20 g.cm2"                              # of the load, at the cycle
 //! scale = 1.0                                       # factor on the torque
 //! supply = "48 V"                                   # voltage of the drive
-//! period = "1.2 s"                                  # from the first to the last row, if not given
+//! period = "1.2 s"                                  # from the first to the last row, if not given; also for times in %
+//! body_mass = "75 kg"                               # for a torque per body mass, as in N.m/kg
 //! ```
 //!
-//! [`table_of`] writes this table for a CSV file whose columns have usual names.
+//! [`usual::table_of`] writes this table for a CSV file whose columns have usual names.
+
+pub(super) mod usual;
 
 use delimited::{Row, name_and_unit};
 use describe::preset::{Source, nearest};
@@ -185,6 +188,7 @@ struct Table {
     at: usize,
     columns: [Option<Column>; 4],
     period: Option<f64>,
+    body_mass: Option<f64>,
     drive: Drive,
 }
 
@@ -194,42 +198,6 @@ const TIME: usize = 0;
 const TORQUE: usize = 1;
 const SPEED: usize = 2;
 const ANGLE: usize = 3;
-
-/// Names of the columns that [`table_of`] knows, in any case; the last one says its unit itself.
-const USUAL: [&[&str]; 4] = [
-    &["time", "t", "time_s"],
-    &["torque", "tau", "m", "load_torque", "joint_torque", "torque_nm"],
-    &["speed", "omega", "w", "n", "joint_speed", "speed_rad_per_s"],
-    &["angle", "phi", "theta", "joint_angle", "angle_rad"],
-];
-
-/// The text of a table `[cycle]` for a CSV file with columns of usual names; speed is preferred to angle.
-///
-/// # Errors
-/// A file that cannot be read, or a column that is not found.
-pub(super) fn table_of(path: &Path) -> Result<String, String> {
-    let (name, text) = text_at(path)?;
-    let headers = text.header();
-    let is_usual =
-        |place: usize, header: &str| USUAL[place].contains(&name_and_unit(header).0.to_lowercase().as_str());
-    let find = |place: usize| headers.iter().map(String::as_str).find(|header| is_usual(place, header));
-    let motion = if find(SPEED).is_some() { SPEED } else { ANGLE };
-    let quoted = |text: &str| toml::Value::from(text).to_string();
-    let file = path.file_name().unwrap_or_default().to_string_lossy();
-    let mut table = format!("[cycle]\nfile = {}\n", quoted(&file));
-    for place in [TIME, TORQUE, motion] {
-        let header = find(place).ok_or_else(|| {
-            let wanted = if place == ANGLE { [USUAL[SPEED], USUAL[ANGLE]].concat() } else { USUAL[place].to_vec() };
-            format!(
-                "{name} has none of the columns {}; its columns are {}; a load file with the table [cycle] takes columns of any name",
-                wanted.join(", "),
-                headers.join(", ")
-            )
-        })?;
-        table += &format!("{} = {}\n", COLUMNS[place].0, quoted(header));
-    }
-    Ok(table)
-}
 
 /// The cycle and its drive of a table `[cycle]` in a load file in `folder`; errors go to `source`.
 pub(super) fn read(
@@ -277,6 +245,12 @@ fn text_of(value: &DeValue<'_>) -> Option<String> {
     }
 }
 
+/// A number above 0 in a unit, from a text that may have another one.
+fn positive(key: &str, text: &str, unit: &str) -> Result<f64, String> {
+    let number = units::number(text, unit).map_err(|why| format!("{key} = {text}: {why}"))?;
+    if number > 0.0 { Ok(number) } else { Err(format!("{key} = {text} is not above 0 {unit}")) }
+}
+
 fn entry(table: &mut Table, key: &str, value: &DeValue<'_>, at: usize) -> Result<(), String> {
     let place = COLUMNS.iter().position(|(name, _)| *name == key);
     if let Some(place) = place {
@@ -310,19 +284,13 @@ fn entry(table: &mut Table, key: &str, value: &DeValue<'_>, at: usize) -> Result
     let text = text_of(value).ok_or_else(|| format!("{key} must be a string or a number"))?;
     match key {
         "file" => table.file = Some(text),
-        "period" => {
-            let (number, unit) = split(&text).ok_or_else(|| format!("period = {text} is not a time"))?;
-            let unit = if unit.is_empty() { "s" } else { unit };
-            let period =
-                conversion(unit, "s", false).map_err(|refusal| format!("period: {refusal}"))?.of(number);
-            table.period = Some(period).filter(|p| *p > 0.0);
-            table.period.ok_or_else(|| format!("period = {text} is not a positive time"))?;
-        }
+        "period" => table.period = Some(positive(key, &text, "s")?),
+        "body_mass" => table.body_mass = Some(positive(key, &text, "kg")?),
         key => match Setting::named(&format!("cycle.{key}")) {
             Some(setting) => setting.set(&mut table.drive, &text)?,
             None => {
                 let known = SETTINGS.iter().map(|s| &s.name["cycle.".len()..]);
-                let known = COLUMNS.iter().map(|c| c.0).chain(known).chain(["file", "period"]);
+                let known = COLUMNS.iter().map(|c| c.0).chain(known).chain(["file", "period", "body_mass"]);
                 return Err(format!("{key} is not a key of [cycle]{}", nearest(key, known)));
             }
         },
@@ -330,12 +298,33 @@ fn entry(table: &mut Table, key: &str, value: &DeValue<'_>, at: usize) -> Result
     Ok(())
 }
 
+/// The conversion of a column to SI units, and what its numbers are relative to: a time in % to the period, a torque in N.m/kg to the body mass.
+fn converted(
+    kind: usize,
+    unit: Option<&str>,
+    [period, body_mass]: [Option<f64>; 2],
+) -> Result<(Conversion, Option<f64>), String> {
+    let Some(unit) = unit else { return Ok((unchanged(), None)) };
+    let refusal = match conversion(unit, COLUMNS[kind].1, false) {
+        Ok(conversion) => return Ok((conversion, None)),
+        Err(refusal) => refusal.to_string(),
+    };
+    let (relative, to, what, key) = match kind {
+        TIME => ("1", period, "a fraction of the period", "period"),
+        TORQUE => ("N.m/kg", body_mass, "a torque per body mass", "body_mass"),
+        _ => return Err(refusal),
+    };
+    let conversion = conversion(unit, relative, false).map_err(|_| refusal)?;
+    let to = to.ok_or_else(|| format!("\"{unit}\" is {what}: the key {key} of [cycle] is missing"))?;
+    Ok((conversion, Some(to)))
+}
+
 /// The cycle of a table; an error has the offset of what is wrong.
 fn load(table: Table, folder: &Path) -> Result<Cycle, (usize, String)> {
     let here = |sentence: String| (table.at, sentence);
     let file = table.file.ok_or_else(|| here("the key file of [cycle] is missing".to_owned()))?;
     let (name, text) = text_at(&folder.join(&file)).map_err(here)?;
-    let (columns, period) = (table.columns, table.period);
+    let (columns, period, body_mass) = (table.columns, table.period, table.body_mass);
     if let (Some(_), Some(angle)) = (&columns[SPEED], &columns[ANGLE]) {
         return Err((angle.at, "[cycle] has speed and angle: one of them is enough".to_owned()));
     }
@@ -346,7 +335,7 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, (usize, String)> {
         }
     }
     let headers = text.header();
-    let mut read: Vec<(usize, usize, Conversion, &str)> = Vec::new();
+    let mut read: Vec<(usize, usize, Conversion, &str, Option<f64>)> = Vec::new();
     for (kind, column) in columns.iter().enumerate() {
         let Some(Column { header, unit, at }) = column else { continue };
         let place = headers
@@ -364,23 +353,26 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, (usize, String)> {
         }
         let si = COLUMNS[kind].1;
         let unit = unit.as_deref().or_else(|| name_and_unit(&headers[place]).1);
-        let conversion = match unit {
-            None => unchanged(),
-            Some(unit) => conversion(unit, si, false)
-                .map_err(|refusal| (*at, format!("{}: {refusal}", COLUMNS[kind].0)))?,
-        };
-        read.push((kind, place, conversion, unit.unwrap_or(si)));
+        let relative_to = [period, body_mass];
+        let (conversion, factor) = converted(kind, unit, relative_to)
+            .map_err(|sentence| (*at, format!("{}: {sentence}", COLUMNS[kind].0)))?;
+        read.push((kind, place, conversion, unit.unwrap_or(si), factor));
+    }
+    if body_mass.is_some() && !read.iter().any(|r| r.0 == TORQUE && r.4.is_some()) {
+        return Err(here(
+            "body_mass has no effect: the torque is not one per body mass, as in N.m/kg".to_owned(),
+        ));
     }
     let mut values: [Vec<f64>; 4] = Default::default();
     for row in text.rows() {
         let Row { line, cells } = row.map_err(|f| here(format!("{name}:{}: {}", f.line, f.message)))?;
-        for (kind, place, conversion, _) in &read {
+        for (kind, place, conversion, _, factor) in &read {
             let (header, cell) = (&headers[*place], &cells[*place]);
             let number = text.pointed(cell).parse().ok().filter(|v: &f64| v.is_finite());
             let number = number.ok_or_else(|| {
                 here(format!("{name}:{line}: \"{cell}\" in column {header} is not a number"))
             })?;
-            values[*kind].push(conversion.of(number));
+            values[*kind].push(conversion.of(number) * factor.unwrap_or(1.0));
         }
         let times = &values[TIME];
         if let [.., before, now] = times[..]

@@ -242,13 +242,41 @@ fn usual_columns_are_recognised() {
     assert!((table.speeds[1] - 3.0 * PI).abs() < 1e-12);
     let table = read("time_s;torque_Nm;theta [deg]\n0;5;180\n0,5;6;180\n1;5;180\n").unwrap();
     assert_eq!((table.angle, table.speeds[0], table.torques[1]), (Some(PI), 0.0, 6.0));
+    let table = read("t_ms,joint_torque_mN.m,speed_rpm\n0,5,60\n10,6,90\n20,5,60\n").unwrap();
+    assert!((table.period - 0.02).abs() < 1e-15 && (table.torques[1] - 6e-3).abs() < 1e-15);
+    assert!((table.speeds[1] - 3.0 * PI).abs() < 1e-12);
     for (text, words) in [
+        ("t,M [Nm/kg],n\n0,1,1\n", &["torque", "a torque per body mass", "body_mass"][..]),
+        ("t_%,M,n\n0,1,1\n", &["time", "a fraction of the period", "the key period"]),
         ("t,force,n\n0,1,1\n", &["none of the columns torque, tau", "t, force, n", "[cycle]"][..]),
         ("t,M,pressure\n0,1,1\n", &["speed, omega", "angle, phi"]),
         ("", &["is empty"]),
     ] {
         let error = read(text).unwrap_err();
         assert!(words.iter().all(|w| error.contains(w)), "{words:?} in {error}");
+    }
+}
+
+/// As gait data are published: torque per body mass over the percentage of the stride.
+#[test]
+fn a_cycle_may_be_normalised() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("n.csv"), "stride,M,n\n0,0.1,10\n50,-0.2,30\n100,0.1,10\n").unwrap();
+    let text = "[cycle]\nfile = \"n.csv\"\ntime = { column = \"stride\", unit = \"%\" }\n\
+                torque = { column = \"M\", unit = \"mNm/kg\" }\nspeed = \"n\"\n";
+    let both = format!("{text}period = \"1200 ms\"\nbody_mass = \"80 kg\"\n");
+    let table = load(folder.path(), &both, &[]).unwrap().table().unwrap().0;
+    assert_eq!((table.times[1], table.period), (0.6, 1.2));
+    assert!((table.torques[1] + 0.016).abs() < 1e-15, "{}", table.torques[1]);
+    let plain = both.replace("unit = \"mNm/kg\"", "unit = \"mNm\"");
+    for (text, words) in [
+        (text.to_owned(), ["\"%\" is a fraction of the period", "the key period"]),
+        (format!("{text}period = 1\n"), ["\"mNm/kg\" is a torque per body mass", "the key body_mass"]),
+        (format!("{both}scale = 2\n").replace("80 kg", "-80 kg"), ["body_mass = -80 kg", "not above 0 kg"]),
+        (plain, ["body_mass has no effect", "N.m/kg"]),
+    ] {
+        let error = load(folder.path(), &text, &[]).map(|_| ()).unwrap_err().to_string();
+        assert!(words.iter().all(|word| error.contains(word)), "{words:?} in {error}");
     }
 }
 

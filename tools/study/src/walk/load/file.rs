@@ -32,7 +32,7 @@ fn put_at_joint(gait: &mut Bench, cycle: &Cycle, drive: &Drive, given: &[&str]) 
 /// The text of a load file, or that of one for a CSV file.
 fn text_of(file: &Path) -> Result<String, StudyError> {
     if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv")) {
-        return cycle_file::table_of(file).map_err(StudyError::new);
+        return cycle_file::usual::table_of(file).map_err(StudyError::new);
     }
     let text = delimited::read_text(file)
         .map_err(|e| StudyError::new(format!("the load {} cannot be read ({e})", file.display())))?;

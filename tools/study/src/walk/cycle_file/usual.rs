@@ -1,0 +1,66 @@
+//! CSV files whose columns have usual names: they need no load file.
+
+use super::{ANGLE, COLUMNS, SPEED, TIME, TORQUE, converted, text_at};
+use delimited::name_and_unit;
+use std::path::Path;
+
+/// Names of the columns that [`table_of`] knows, in any case.
+const USUAL: [&[&str]; 4] = [
+    &["time", "t"],
+    &["torque", "tau", "m", "load_torque", "joint_torque"],
+    &["speed", "omega", "w", "n", "joint_speed"],
+    &["angle", "phi", "theta", "joint_angle"],
+];
+
+/// Whether a header is a usual name: alone, with a unit in brackets, or with one behind an underscore, which is given (`speed_rpm`,
+/// `speed_rad_per_s`).
+fn usual(place: usize, header: &str) -> Option<Option<String>> {
+    let is_known = |name: &str| USUAL[place].contains(&name.to_lowercase().as_str());
+    if is_known(name_and_unit(header).0) {
+        return Some(None);
+    }
+    header.match_indices('_').find_map(|(at, _)| {
+        let unit = header[at + 1..].replace("_per_", "/");
+        // Newton metres in lower case are no nanometres here.
+        let unit = [unit.clone(), unit.replace("nm", "Nm")].into_iter().find(|u| fits(place, u));
+        unit.filter(|_| is_known(&header[..at])).map(Some)
+    })
+}
+
+/// Whether a column may have this unit.
+fn fits(place: usize, unit: &str) -> bool {
+    converted(place, Some(unit), [Some(1.0); 2]).is_ok()
+}
+
+/// The text of a table `[cycle]` for a CSV file with columns of usual names; speed is preferred to angle.
+///
+/// # Errors
+/// A file that cannot be read, or a column that is not found.
+pub(in crate::walk) fn table_of(path: &Path) -> Result<String, String> {
+    let (name, text) = text_at(path)?;
+    let headers = text.header();
+    let find =
+        |place: usize| headers.iter().map(String::as_str).find(|header| usual(place, header).is_some());
+    let motion = if find(SPEED).is_some() { SPEED } else { ANGLE };
+    let quoted = |text: &str| toml::Value::from(text).to_string();
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut table = format!("[cycle]\nfile = {}\n", quoted(&file));
+    for place in [TIME, TORQUE, motion] {
+        let header = find(place).ok_or_else(|| {
+            let wanted = if place == ANGLE { [USUAL[SPEED], USUAL[ANGLE]].concat() } else { USUAL[place].to_vec() };
+            format!(
+                "{name} has none of the columns {}; its columns are {}; a load file with the table [cycle] takes columns of any name",
+                wanted.join(", "),
+                headers.join(", ")
+            )
+        })?;
+        table += &match usual(place, header).flatten() {
+            None => format!("{} = {}\n", COLUMNS[place].0, quoted(header)),
+            Some(unit) => {
+                let (name, column, unit) = (COLUMNS[place].0, quoted(header), quoted(&unit));
+                format!("{name} = {{ column = {column}, unit = {unit} }}\n")
+            }
+        };
+    }
+    Ok(table)
+}
