@@ -111,7 +111,13 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
         }
         found => found?,
     };
-    let notes = setup.notes()?;
+    let mut notes = setup.notes()?;
+    notes.extend(found.get("winding_margin").filter(|margin| *margin < 0.0).map(|margin| {
+        format!(
+            "the winding is {} K above its limit thermal.T_w_max: no continuous operation",
+            rounded(-margin)
+        )
+    }));
     crate::remark(&notes);
     if args.json {
         let outputs: serde_json::Map<_, _> =
@@ -143,11 +149,11 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     }
     text += &match continuous {
         Ok(c) => format!(
-            "continuous torque {} N.m at {} rad/s and {} A, {} N.m/kg, with the winding at {:.2} K ({:.2} degC)\n",
+            "continuous torque {} N.m at {} rad/s and {} A{}, with the winding at {:.2} K ({:.2} degC)\n",
             significant(c.torque),
             significant(c.speed),
             significant(c.current),
-            significant(c.torque_density),
+            c.torque_density.map_or(String::new(), |density| format!(", {} N.m/kg", significant(density))),
             c.winding_temperature,
             c.winding_temperature - 273.15
         ),

@@ -14,8 +14,8 @@ use serde::Serialize;
 
 /// Smallest heat flow from which a thermal resistance is computed, W.
 const LEAST_HEAT: f64 = 1e-3;
-/// Relative width of the bracket about the continuous current squared at which the search ends.
-const CURRENT_TOLERANCE: f64 = 1e-8;
+/// Relative width of the bracket about the square of the continuous current or load at which the search ends.
+const TOLERANCE: f64 = 1e-8;
 /// Items of drive_mode: current; voltage and pwm.
 const CURRENT: i32 = 3;
 const BY_VOLTAGE: [i32; 2] = [1, 2];
@@ -114,8 +114,8 @@ pub struct Continuous {
     pub current: f64,
     /// Torque at the shaft, N.m.
     pub torque: f64,
-    /// Torque per total mass, N.m/kg.
-    pub torque_density: f64,
+    /// Torque per total mass, N.m/kg, if the model knows its mass.
+    pub torque_density: Option<f64>,
     /// Winding temperature, K: the limit.
     pub winding_temperature: f64,
 }
@@ -173,36 +173,42 @@ fn cause(mut cold: Bench, bench: &mut Bench) -> Option<String> {
     })
 }
 
-/// The continuous torque of the model, eq. (2), at its imposed_speed, or with a free shaft at the speed of the steady state.
+/// The continuous torque of the model, eq. (2): at its imposed_speed, or with a free shaft at the speed of the steady state. A model
+/// without a command of the current carries the greatest load at its duty cycle, the full one if this is 0.
 ///
-/// The search runs in the square of the current, to which the temperature is nearly proportional; a current
+/// The search runs in the square of the current or of the load, to which the temperature is nearly proportional; a value
 /// with thermal runaway is too high.
 ///
 /// # Errors
-/// A model without a current to command or a limit; a winding that is too hot without current, or never.
+/// A model without a limit or without both; a winding that is too hot without current or load, or never.
 pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
     let mut bench = bench.clone();
     let name = bench.declaration().name;
-    if !bench.knows("drive_mode", Some("current")) || !bench.knows("thermal.T_w_max", None) {
-        return Err(StudyError::new(format!(
-            "{name} has no continuous torque: it needs drive_mode current and thermal.T_w_max"
-        )));
-    }
-    let mut operating = bench.clone();
-    bench.set_text("mechanical_mode", "imposed_speed")?;
-    if operating.get("mechanical_mode")? != bench.get("mechanical_mode")? {
-        operating.steady_state()?;
-        bench.set("imposed_speed", operating.get("shaft_speed")?)?;
-    }
-    bench.set_text("drive_mode", "current")?;
+    let none = |why: String| StudyError::new(format!("{name} has no continuous torque: {why}"));
+    let is_limited = bench.knows("thermal.T_w_max", None);
+    // The load opposes the motion that the duty cycle gives.
+    let mut sign = 1.0;
+    let command = if is_limited && bench.knows("drive_mode", Some("current")) {
+        at_operating_speed(&mut bench)?;
+        bench.set_text("drive_mode", "current")?;
+        "current_command"
+    } else if is_limited && bench.knows("duty", None) && bench.knows("load_torque", None) {
+        if bench.get("duty")? == 0.0 {
+            bench.set("duty", 1.0)?;
+        }
+        sign = bench.get("duty")?.signum();
+        "load_torque"
+    } else {
+        return Err(none("it needs thermal.T_w_max and a commanded current or a load".to_owned()));
+    };
     let limit = bench.get("thermal.T_w_max")?;
-    let greatest = bench.entry("current_command")?.row.max;
+    let (greatest, unit) = (bench.entry(command)?.row.max, bench.entry(command)?.row.unit.name());
     bench.start()?;
     // Each search starts from the last steady state, which is nearer than the cold motor.
     let mut settled = bench;
     let mut excess = |square: f64| -> Result<f64, StudyError> {
         let mut next = settled.clone();
-        next.set("current_command", square.sqrt())?;
+        next.set(command, sign * square.sqrt())?;
         match next.settle() {
             Ok(()) => settled = next,
             Err(StudyError::Unsettled(_)) if square > 0.0 => return Ok(f64::INFINITY),
@@ -212,30 +218,44 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
     };
     let idle = excess(0.0)?;
     if idle >= 0.0 {
-        return Err(StudyError::new(format!(
-            "{name} has no continuous torque: without current the winding is {idle:.1} K above its limit of {limit} K"
+        let without = if unit == "A" { "current" } else { "load" };
+        return Err(none(format!(
+            "without {without} the winding is {idle:.1} K above its limit of {limit} K"
         )));
     }
     let (mut low, mut high) = (0.0, 1.0);
     while excess(high)? < 0.0 {
         (low, high) = (high, 4.0 * high);
         if high.sqrt() > greatest {
-            return Err(StudyError::new(format!(
-                "{name} has no continuous torque: even {:.0} A keep the winding below its limit of {limit} K",
-                low.sqrt()
-            )));
+            let at = low.sqrt();
+            return Err(none(format!("even {at:.0} {unit} keep the winding below its limit of {limit} K")));
         }
     }
-    let square = try_root(&mut excess, low, high, CURRENT_TOLERANCE * high)?
-        .ok_or_else(|| StudyError::new(format!("{name}: no current brings the winding to {limit} K")))?;
+    let square = try_root(&mut excess, low, high, TOLERANCE * high)?
+        .ok_or_else(|| StudyError::new(format!("{name}: nothing brings the winding to {limit} K")))?;
     excess(square)?;
+    let torque_density = match settled.knows("torque_density", None) {
+        true => Some(settled.get("torque_density")?),
+        false => None,
+    };
     Ok(Continuous {
         speed: settled.get("shaft_speed")?,
-        current: square.sqrt(),
+        current: settled.get("current")?,
         torque: settled.get("shaft_torque")?,
-        torque_density: settled.get("torque_density")?,
+        torque_density,
         winding_temperature: settled.get("winding_temperature")?,
     })
+}
+
+/// Imposes the speed of the operating point, where the shaft is free.
+fn at_operating_speed(bench: &mut Bench) -> Result<(), StudyError> {
+    let mut operating = bench.clone();
+    bench.set_text("mechanical_mode", "imposed_speed")?;
+    if operating.get("mechanical_mode")? != bench.get("mechanical_mode")? {
+        operating.steady_state()?;
+        bench.set("imposed_speed", operating.get("shaft_speed")?)?;
+    }
+    Ok(())
 }
 
 /// Whether the motor is driven by a voltage of 0.
@@ -313,8 +333,33 @@ mod tests {
         assert!((found.current / current - 1.0).abs() < 1e-5, "{found:?} instead of {current} A");
         assert!((found.current - 5.42).abs() < 0.01, "audit, T46: {found:?}");
         assert!((found.torque / (k_t * current) - 1.0).abs() < 1e-5, "{found:?}");
-        assert!((found.torque_density - found.torque / 0.3).abs() < 1e-9);
+        assert!((found.torque_density.unwrap() - found.torque / 0.3).abs() < 1e-9);
         assert!((found.winding_temperature - 428.15).abs() < 1e-3);
+    }
+
+    /// The gearmotor has no commanded current: the greatest load at its duty cycle, the full one without. A steady state at this load is
+    /// at the limit, and one above it beyond.
+    #[test]
+    fn the_continuous_torque_of_a_motor_at_a_voltage_is_the_load_that_it_carries() {
+        let make = |sets: &[(&str, &str)]| {
+            Setup::new("BrushedGearmotor", Preset::load("bdcm-37d").ok(), sets).bench().unwrap()
+        };
+        let mut torques = Vec::new();
+        for duty in ["0", "1", "-0.6"] {
+            let found = continuous_torque(&make(&[("duty", duty)])).unwrap();
+            assert_eq!(found.torque_density, None);
+            let winding = |factor: f64| {
+                let (duty, load) =
+                    (if duty == "0" { "1" } else { duty }, (factor * found.torque).to_string());
+                let at = steady(&mut make(&[("duty", duty), ("load_torque", &load)])).unwrap();
+                at.get("winding_margin").unwrap()
+            };
+            assert!(winding(1.0).abs() < 0.02 && winding(1.02) < -0.1 && winding(0.98) > 0.1, "{found:?}");
+            torques.push(found.torque);
+        }
+        assert_eq!(torques[0], torques[1]);
+        // At less speed friction heats less, so that the winding carries more current; a load opposes the motion.
+        assert!(torques[2] < -torques[0], "{torques:?}");
     }
 
     /// With friction, R_ha is still the reciprocal of the conductance that is set: 4.65 K/W.

@@ -106,6 +106,13 @@ fn a_verdict_of_nothing_follows_the_errors() {
         "{sentence}"
     );
     assert!(!sentence.contains("other parameter values"), "{sentence}");
+    outcome.verdict = Verdict::Fitted;
+    let fitted = text::verdict(&outcome);
+    assert!(
+        fitted.contains("no missing effect was looked for, and the fitted parameters do not explain"),
+        "{fitted}"
+    );
+    outcome.verdict = Verdict::Nothing;
     outcome.is_cut = true;
     let sentence = text::verdict(&outcome);
     assert!(

@@ -233,7 +233,13 @@ fn lacks(outcome: &Outcome) -> String {
             }
         }
         Verdict::Fitted => {
-            "the declared parameters were fitted; no missing effect was looked for.".to_owned()
+            let searched = "the declared parameters were fitted; no missing effect was looked for";
+            match left(outcome) {
+                Some(error) => {
+                    format!("{searched}, and the fitted parameters do not explain the data: {error}.")
+                }
+                None => format!("{searched}."),
+            }
         }
         Verdict::Nothing => nothing(outcome),
     }
@@ -248,11 +254,16 @@ fn nothing(outcome: &Outcome) -> String {
         true => "the time budget ended the search before an effect was found (--budget sets another one)",
         false => "no missing effect is detected",
     };
-    let is_tested = outcome.errors.iter().any(|e| e.role == Role::Test && e.floor > 0.0);
-    match unexplained_error(outcome, if is_tested { Role::Test } else { Role::Validate }) {
+    match left(outcome) {
         Some(error) => format!("{effect}, and the fitted parameters do not explain the data: {error}."),
         None => format!("{effect}; other parameter values explain the differences."),
     }
+}
+
+/// What the parameters do not explain of the data that were not fitted: of the test runs, else of the validation runs.
+fn left(outcome: &Outcome) -> Option<String> {
+    let is_tested = outcome.errors.iter().any(|e| e.role == Role::Test && e.floor > 0.0);
+    unexplained_error(outcome, if is_tested { Role::Test } else { Role::Validate })
 }
 
 /// The greatest error of the final model relative to the noise, if it is above [`EXPLAINED`] and the error of good instruments.

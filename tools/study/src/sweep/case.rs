@@ -4,7 +4,7 @@ use super::vary::{Choice, PRESET, Vary};
 use super::{count, grid_point};
 use crate::StudyError;
 use crate::notes::Notes;
-use crate::steady::{Setup, continuous_torque, steady};
+use crate::steady::{Continuous, Setup, continuous_torque, steady};
 use crate::walk::{Known, Load, Objective, Setting};
 use describe::Preset;
 use describe::preset::nearest;
@@ -159,7 +159,7 @@ impl Case for ConstantInputs {
         }
         let of = |target: &Target| match (target.name.as_str(), &continuous) {
             ("continuous_torque", Some(found)) => Ok(found.torque),
-            ("torque_density", Some(found)) => Ok(found.torque_density),
+            ("torque_density", Some(Continuous { torque_density: Some(density), .. })) => Ok(*density),
             (output, _) => bench.get(output),
         };
         let mut of = of;
