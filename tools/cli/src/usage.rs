@@ -102,7 +102,7 @@ mod tests {
             ),
             (&["preset", "new", "--torque", "3"], "`motor-fmu preset new --help`"),
             (&["simulate", "x", "--set", "voltage"], "expected name=value; `motor-fmu simulate --help`"),
-            (&["simulate", "x", "--stop", "10 min"], "expected a number; `motor-fmu simulate --help`"),
+            (&["simulate", "x", "--stop", "soon"], "expected a number in s; `motor-fmu simulate --help`"),
             (&["simulate", "x", "--every", "-1"], "-1 is not in 1.."),
             (&["simulate", "x", "--patience", "-3"], "above 0, at most 86400"),
             (&["cosim", "x", "--every", "0"], "0 is not in 1.."),
