@@ -35,6 +35,14 @@ impl Deadline {
         Deadline(Arc::new(Mutex::new(End::Asked(times))))
     }
 
+    /// A deadline after this fraction of the time that is left: what ends at it leaves the rest for what follows.
+    pub fn share(&self, part: f64) -> Deadline {
+        let end = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let End::At(soft, hard) = *end else { return self.clone() };
+        let now = Instant::now();
+        Deadline(Arc::new(Mutex::new(End::At(now + soft.saturating_duration_since(now).mul_f64(part), hard))))
+    }
+
     fn has_passed(&self, limit: impl Fn(Instant, Instant) -> Instant) -> bool {
         let mut end = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match &mut *end {

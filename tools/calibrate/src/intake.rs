@@ -15,6 +15,7 @@ mod converter;
 mod copies;
 mod dead_torque;
 mod departures;
+mod drifts;
 mod first_rows;
 mod pulses;
 mod response;

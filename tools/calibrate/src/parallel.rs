@@ -16,8 +16,22 @@ pub fn flat_map<T: Sync, I: IntoIterator + Send>(items: &[T], f: impl Fn(&T) -> 
     map(items, f).into_iter().flatten().collect()
 }
 
+/// As [`map`]; the items are begun in their order, so that a deadline ends the last ones.
+pub fn in_turn<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    values(items.len(), |k| f(&items[k]), |count, f| (0..count).par_bridge().for_each(f))
+}
+
 /// Values of `f` for 0, 1, ..., `count` - 1.
 pub fn indices<R: Send>(count: usize, f: impl Fn(usize) -> R + Sync) -> Vec<R> {
+    values(count, f, |count, f| (0..count).into_par_iter().for_each(f))
+}
+
+/// The same with one of rayon's iterators.
+fn values<R: Send>(
+    count: usize,
+    f: impl Fn(usize) -> R + Sync,
+    each: fn(usize, &(dyn Fn(usize) + Sync)),
+) -> Vec<R> {
     let values: Vec<Mutex<Option<R>>> = (0..count).map(|_| Mutex::new(None)).collect();
     each(count, &|k| {
         let value = f(k);
@@ -27,10 +41,6 @@ pub fn indices<R: Send>(count: usize, f: impl Fn(usize) -> R + Sync) -> Vec<R> {
     });
     // All are there: rayon passes on a panic of `f`.
     values.into_iter().filter_map(|place| place.into_inner().ok().flatten()).collect()
-}
-
-fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
-    (0..count).into_par_iter().for_each(f);
 }
 
 #[cfg(test)]
@@ -47,5 +57,6 @@ mod tests {
             (1..1000).step_by(2).collect::<Vec<_>>()
         );
         assert_eq!(indices(0, |k| k), Vec::<usize>::new());
+        assert_eq!(in_turn(&items, |n| n * n), squares);
     }
 }

@@ -51,6 +51,10 @@ const FURTHER: [usize; 6] = [3, 1, 1, 1, 1, 1];
 /// were accepted in 120 development sets of the blind suite, none was below.
 const BEHIND: f64 = 0.3;
 
+/// Fraction of the time that is left in which the fits of a round start. Definition: half, since a candidate that passes is fitted again to
+/// each run.
+const FITS: f64 = 0.5;
+
 /// Fitted candidate.
 pub struct Candidate<'a> {
     /// Description.
@@ -248,7 +252,13 @@ fn candidates<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Score
     let is_first = start.additions.is_empty();
     let chosen = choose(scored, is_first).into_iter().filter(|scored| !repeats(start, scored));
     let chosen: Vec<&Scored> = chosen.collect();
-    let fitted = parallel::map(&chosen, |scored| fitted(point, start, scored));
+    // The best to first order come first. A fit that nothing judges is of no use.
+    let until = point.setup.deadline().share(FITS);
+    let of = |scored: &&Scored| match until.is_near() {
+        true => Err(CalibrateError("the time budget is kept for judging the others".to_string())),
+        false => fitted(point, start, scored),
+    };
+    let fitted = parallel::in_turn(&chosen, of);
     let (mut candidates, mut failed) = (Vec::new(), Vec::new());
     for (result, scored) in fitted.into_iter().zip(chosen) {
         match result {

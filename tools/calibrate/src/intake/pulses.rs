@@ -11,12 +11,10 @@
 //! Where the prediction has the pulse and the reading has none, as of friction at a speed that its noise takes through zero, there is no outlier.
 //! *Source*: Box and Tiao, Biometrika 55 (1968) 119-129 (contaminated normal).
 
-use super::signals::{ALIKE, Readings, bound};
+use super::signals::{ALIKE, NEAR_BY, Readings, bound};
 use crate::experiment::{Channel, Experiment, Table};
 use std::f64::consts::PI;
 
-/// Quantile of the neighbouring changes. Derivation: of 18 changes, another pulse accounts for two and a step of an input for one.
-const NEAR_BY: f64 = 0.8;
 /// Least change of an input, in SI units. Numerical: rounding.
 const ROUNDING: f64 = 1e-9;
 

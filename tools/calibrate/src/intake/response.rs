@@ -15,7 +15,7 @@
 //! *Assumes* that parameter errors and missing effects change a temperature rise by less than a factor of eight. *Sources*: Isermann,
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
-use super::signals::WIDEST;
+use super::signals::{SENSOR_ERROR, WIDEST};
 use super::{FAR, Predicted, Unusable, ambient, departures, median, sorted};
 use crate::experiment::{Channel, Experiment, Role};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
@@ -144,7 +144,8 @@ pub fn set_aside(
                 let of = |row: &usize| deviations[run].get(output).map_or(0.0, |all| all[*row].powi(2));
                 (rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64).sqrt()
             };
-            let judge = Judge { channel, own: &own, column: &column, sigma, moves, doubt: &doubt };
+            let judge =
+                Judge { channel, own: &own, time: &time, column: &column, sigma, moves, doubt: &doubt };
             let of_fit = pair(experiment, &fitted[output][run], run, output);
             let is_fitted = of_fit.rows == own.rows;
             let moves = spread(&of_fit.model).max(moves);
@@ -161,8 +162,9 @@ pub fn set_aside(
             }
             failed = failed.filter(|(bad, _)| bad.contains(&true));
             if failed.is_none() && is_sure && is_fitted {
-                let gone: Vec<bool> = own.rows.iter().map(|row| gone[run].contains(row)).collect();
-                failed = Some((gone, departures::WHY)).filter(|(gone, _)| gone.contains(&true));
+                let (rows, why) = &gone[run];
+                let gone: Vec<bool> = own.rows.iter().map(|row| rows.contains(row)).collect();
+                failed = Some((gone, *why)).filter(|(gone, _)| gone.contains(&true));
             }
             if is_predicted && is_fitted {
                 // What the other outputs determine is no matter of the priors, and a rise that is small beside that of other runs is
@@ -218,7 +220,7 @@ fn blank(experiment: &mut Experiment, failures: &[Failure], k: usize) -> String 
     let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(0.0);
     let table = &experiment.runs[*run].table;
     let column: Vec<f64> = own.rows.iter().map(|row| table.columns[first][*row]).collect();
-    let jumps = if channel.is_temperature() { super::signals::jumps(&column) } else { Vec::new() };
+    let jumps = if channel.is_temperature() { super::signals::small_jumps(&column) } else { Vec::new() };
     let mut bad = bad.clone();
     widen(&mut bad, &off, usual.max(CERTAIN * sigma), &jumps);
     let time = |k: Option<usize>| k.map_or(f64::NAN, |k| table.time[own.rows[k]]);
@@ -260,6 +262,7 @@ fn widen(bad: &mut [bool], off: &[f64], usual: f64, jumps: &[usize]) {
 struct Judge<'a> {
     channel: &'static Channel,
     own: &'a Pair,
+    time: &'a [f64],
     column: &'a [f64],
     sigma: f64,
     moves: f64,
@@ -318,7 +321,7 @@ impl Judge<'_> {
     fn jumped(&self) -> Vec<usize> {
         let jumps = super::signals::jumps(self.column);
         if jumps.is_empty() {
-            return Vec::new();
+            return self.moved();
         }
         let mut ends = vec![0];
         ends.extend(&jumps);
@@ -339,12 +342,13 @@ impl Judge<'_> {
         if !self.channel.is_temperature() {
             return Vec::new();
         }
-        let jumps = super::signals::jumps(self.column);
+        let jumps = super::signals::small_jumps(self.column);
         let change = |of: &[f64], k: usize| of[k] - of[k - 1];
         let sizes = jumps.iter().map(|k| (*k, change(&self.own.read, *k), change(&self.own.model, *k)));
         let own: Vec<(usize, f64)> = sizes
             .filter(|(_, read, model)| (read - model).abs() > UNPREDICTED * read.abs())
             .map(|(k, read, model)| (k, read - model))
+            .filter(|(k, size)| size.abs() > SENSOR_ERROR || self.is_step(*k, *size))
             .collect();
         let least = own.iter().map(|(_, size)| size.abs()).fold(f64::INFINITY, f64::min);
         // Sections with the accumulated jump before each.
@@ -358,6 +362,16 @@ impl Judge<'_> {
         let longest = parts.iter().max_by_key(|(part, _)| part.len()).map_or(0.0, |(_, level)| *level);
         let elsewhere = parts.into_iter().filter(|(_, level)| (level - longest).abs() > 0.5 * least);
         elsewhere.flat_map(|(part, _)| part).collect()
+    }
+
+    /// Whether the deviation from the prediction changes by this much from one row to the next, and keeps its new level. A prediction that
+    /// follows a change of the load too fast or too slowly, or a gap between the rows, changes it over several rows.
+    fn is_step(&self, k: usize, size: f64) -> bool {
+        let off = |rows: std::ops::Range<usize>| median(rows.map(|j| self.own.read[j] - self.own.model[j]));
+        let (before, after) = (k.saturating_sub(LEAST_ROWS)..k, k..(k + LEAST_ROWS).min(self.column.len()));
+        let interval = |j: usize| self.time[j] - self.time[j - 1];
+        let usual = median((1..self.time.len()).map(interval));
+        interval(k) < FACTOR * usual && (off(after) - off(before) - size).abs() < UNPREDICTED * size.abs()
     }
 
     /// (1)

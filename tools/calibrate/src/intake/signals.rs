@@ -14,7 +14,7 @@
 //! a contact failure of the sensor; on one side of it the readings are no temperature ([`super::response`] determines which).
 
 use crate::experiment::{Channel, Experiment, Table};
-use crate::levels::SMALL;
+use crate::levels::{SMALL, STRUCTURE};
 use crate::noise;
 
 /// Probability of a false alarm in an experiment, alpha of (1). Definition: the level of the test; the bound (1) grows with the root of
@@ -31,6 +31,9 @@ pub(super) const WIDEST: usize = 5;
 pub(super) const ALIKE: f64 = 0.5;
 /// Number of neighbouring readings. Numerical: their changes determine a scale to 20 %, and spikes exceed it many times.
 const NEAR: usize = 10;
+/// Quantile of the neighbouring changes, if other pulses may be among them. Derivation: of 18 changes, another pulse accounts for two and a
+/// step of an input for one.
+pub(super) const NEAR_BY: f64 = 0.8;
 /// A jump exceeds the channel's usual changes by this factor. Derivation: (1) for 7e4 readings.
 pub(super) const JUMP: f64 = 6.0;
 /// Error of a thermometer that works, K; a jump is larger. Limit: thermocouple of class 2, IEC 60584-1.
@@ -210,7 +213,9 @@ fn follows(table: &Table, channel: usize, rows: &[usize]) -> bool {
 
 /// Rows of a table at which a channel has spikes.
 fn spikes(table: &Table, k: usize, channel: &Channel, least: f64) -> Vec<usize> {
-    Readings::of(&table.time, &table.columns[k]).spikes(channel.is_temperature(), least, (1.0, ALIKE))
+    // An ambient temperature has no pulses of its own, so that those next to each other are all spikes.
+    let quantile = if channel.is_ambient() { NEAR_BY } else { 1.0 };
+    Readings::of(&table.time, &table.columns[k]).spikes(channel.is_temperature(), least, (quantile, ALIKE))
 }
 
 /// Readings of a column.
@@ -307,8 +312,17 @@ impl Readings {
     }
 }
 
-/// Rows at which a temperature has a jump.
+/// Rows at which a temperature has a jump that is greater than the error of a thermometer.
 pub fn jumps(column: &[f64]) -> Vec<usize> {
+    jumps_above(column, SENSOR_ERROR)
+}
+
+/// Rows at which a temperature has a jump that matters: greater than that, or than the structure error of the model in this run.
+pub fn small_jumps(column: &[f64]) -> Vec<usize> {
+    jumps_above(column, SENSOR_ERROR.min(STRUCTURE * super::range(column.iter().copied())))
+}
+
+fn jumps_above(column: &[f64], least: f64) -> Vec<usize> {
     let rows: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
     if rows.len() < 4 * NEAR {
         return Vec::new();
@@ -316,7 +330,7 @@ pub fn jumps(column: &[f64]) -> Vec<usize> {
     let change = |j: usize| (column[rows[j]] - column[rows[j - 1]]).abs();
     let changes = super::sorted((1..rows.len()).map(change));
     let usual = changes[((1.0 - RARE) * (changes.len() - 1) as f64) as usize];
-    let least = (JUMP * usual).max(SENSOR_ERROR);
+    let least = (JUMP * usual).max(least);
     (1..rows.len()).filter(|j| change(*j) > least).map(|j| rows[j]).collect()
 }
 
@@ -351,6 +365,7 @@ mod tests {
         for seed in 0..20 {
             assert_eq!(spikes(&table(warming(seed)), 0, winding(), 6.0), Vec::<usize>::new(), "{seed}");
             assert_eq!(jumps(&warming(seed)), Vec::<usize>::new(), "{seed}");
+            assert_eq!(small_jumps(&warming(seed)), Vec::<usize>::new(), "{seed}");
         }
         for width in 1..=WIDEST {
             for size in [-300.0, 5.0, 900.0] {
@@ -362,12 +377,25 @@ mod tests {
         }
     }
 
+    /// Spikes of the ambient temperature that are beside each other, of which each hides the next among its neighbours.
+    #[test]
+    fn spikes_beside_each_other_are_found_where_the_motor_makes_none() {
+        let mut rng = rng(7);
+        let mut column: Vec<f64> =
+            (0..600).map(|k| 294.0 + 1e-3 * f64::from(k) + 0.02 * normal(&mut rng)).collect();
+        let rows = [200, 203, 206, 410, 411, 415];
+        rows.iter().for_each(|row| column[*row] = 353.0);
+        let ambient = Channel::of("ambient_temperature_degC").unwrap();
+        assert_eq!(spikes(&table(column), 0, ambient, 6.0), rows);
+    }
+
     #[test]
     fn a_loose_contact_jumps() {
         for level in [228.0, 325.0, 398.0] {
             let mut column = warming(5);
             column[900..1100].fill(level);
             assert_eq!(jumps(&column), [900, 1100], "{level}");
+            assert_eq!(small_jumps(&column), [900, 1100], "{level}");
         }
     }
 }

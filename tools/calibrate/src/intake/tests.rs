@@ -278,6 +278,8 @@ fn readings_of_a_sensor_that_has_moved_are_set_aside() {
         (HOUSING, 400, 1.0, -9.0),
         (WINDING, 800, 0.7, 0.0),
         (WINDING, 300, 1.0, 12.0),
+        (HOUSING, 750, 1.0, 1.7),
+        (WINDING, 420, 1.0, -1.9),
     ] {
         let mut moved = experiment(10);
         column(&mut moved, k)[from..].iter_mut().for_each(|x| *x = 296.15 + share * (*x - 296.15) + offset);
