@@ -343,16 +343,22 @@ const TIMES: [(f64, &str); 8] = [
     (1.0 / 60.0, "1/60 s"),
 ];
 
+/// Longest run of a bench, s. Limit: thirty days; readings that would last longer are in a shorter unit.
+const LONGEST_RUN: f64 = 30.0 * 86_400.0;
+
 /// All mistakes that involve these columns only.
 pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let all = channels(experiment);
     let mut found = Vec::new();
     let mut quantities: Vec<Unit> = Vec::new();
-    for (factor, unit) in TIMES {
-        found.push(Mistake::Time(factor, Some(unit)));
-    }
+    let span = |time: &[f64]| time[time.len() - 1] - time[0];
     let longest = experiment.runs.iter().map(|run| run.table.time.as_slice());
-    let longest = longest.max_by(|a, b| (a[a.len() - 1] - a[0]).total_cmp(&(b[b.len() - 1] - b[0])));
+    let longest = longest.max_by(|a, b| span(a).total_cmp(&span(b)));
+    for (factor, unit) in TIMES {
+        if longest.is_none_or(|time| factor * span(time) < LONGEST_RUN) {
+            found.push(Mistake::Time(factor, Some(unit)));
+        }
+    }
     for (k, channel) in all.iter().enumerate() {
         // Commands and pressures are covered by their limits.
         let units =

@@ -6,7 +6,7 @@ use super::{Judge, Predicted, blanked, score, unmeasured, worst};
 use crate::CalibrateError;
 use crate::experiment::Experiment;
 use crate::intake::signals::POSSIBLE;
-use crate::intake::{Unusable, declaration, median};
+use crate::intake::{Unusable, declaration};
 use crate::levels::{CERTAIN, FACTOR, PART, SAMPLES, SMALL, STRUCTURE};
 use crate::selection::LEAST;
 use crate::undeclared;
@@ -387,9 +387,15 @@ fn is_possible(changed: &Experiment, mistake: &Mistake) -> bool {
     mistake.touches().into_iter().filter(|k| *k < changed.inputs.len()).all(|k| {
         let channel = changed.inputs[k];
         let entry = channel.input.and_then(|name| declaration?.by_name(name));
-        let middle = median(changed.runs.iter().flat_map(|r| r.table.columns[k].iter().copied()));
-        entry.is_none_or(|e| (e.row.min..=e.row.max).contains(&middle))
-            && (!channel.is_temperature() || (POSSIBLE.0..=POSSIBLE.1).contains(&middle))
+        let all =
+            || changed.runs.iter().flat_map(|r| r.table.columns[k].iter().copied()).filter(|x| x.is_finite());
+        // Single readings may be spikes.
+        let within = |limits: std::ops::RangeInclusive<f64>| {
+            let beyond = all().filter(|x| !limits.contains(x)).count();
+            beyond as f64 <= SMALL * all().count() as f64
+        };
+        entry.is_none_or(|e| within(e.row.min..=e.row.max))
+            && (!channel.is_temperature() || within(POSSIBLE.0..=POSSIBLE.1))
     })
 }
 
