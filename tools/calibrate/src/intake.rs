@@ -13,6 +13,7 @@ mod clocks;
 mod consistency;
 mod converter;
 mod copies;
+mod dead_input;
 mod dead_torque;
 mod departures;
 mod drifts;
@@ -134,8 +135,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     let asked = experiment.clone();
     let deviations = || deviations(&asked, preset, &predicted, deadline);
     response::set_aside(experiment, &predicted, (&fitted, &is_sure), deviations);
-    if let Some(unusable) = response::dead_input(experiment, &predicted).or_else(|| nothing_left(experiment))
-    {
+    if let Some(unusable) = dead_input::found(experiment, &predicted).or_else(|| nothing_left(experiment)) {
         return Err(Refusal::Unusable(unusable));
     }
     Ok(is_sure.iter().all(|sure| *sure))

@@ -16,8 +16,8 @@
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
 use super::signals::{SENSOR_ERROR, WIDEST};
-use super::{FAR, Predicted, Unusable, ambient, departures, median, sorted};
-use crate::experiment::{Channel, Experiment, Role};
+use super::{FAR, Predicted, ambient, departures, median, sorted};
+use crate::experiment::{Channel, Experiment};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
 use std::cell::LazyCell;
@@ -26,7 +26,7 @@ use std::cell::LazyCell;
 /// resistance between the nodes are each within a factor of two of the preset's.
 const LEVEL: (f64, f64) = (0.125, 8.0);
 /// Fewest rows of a section. Derivation: a standard deviation is then known to 13 %, 1 / sqrt(2 n).
-const LEAST_ROWS: usize = 30;
+pub(super) const LEAST_ROWS: usize = 30;
 /// Unpredicted fraction of a jump above which it is attributed to the sensor. Limit: if the preset's heat capacity is within a factor
 /// of two of the motor's, the model predicts at least half of a step.
 const UNPREDICTED: f64 = 0.5;
@@ -49,16 +49,16 @@ const TAIL: f64 = 0.02;
 pub const DEAD: &str = "does not follow what drives it, as a dead or detached sensor does";
 
 /// Readings and prediction of one output in one run.
-struct Pair {
+pub(super) struct Pair {
     /// Rows with reading and prediction.
-    rows: Vec<usize>,
+    pub(super) rows: Vec<usize>,
     /// Reading minus the initial value (ambient temperature or zero).
-    read: Vec<f64>,
+    pub(super) read: Vec<f64>,
     /// Prediction minus the initial value (ambient temperature or zero).
-    model: Vec<f64>,
+    pub(super) model: Vec<f64>,
 }
 
-fn pair(experiment: &Experiment, predicted: &[Vec<f64>], run: usize, output: usize) -> Pair {
+pub(super) fn pair(experiment: &Experiment, predicted: &[Vec<f64>], run: usize, output: usize) -> Pair {
     let of = &experiment.runs[run];
     let column = &of.table.columns[experiment.inputs.len() + output];
     let Some(model) = predicted.get(output) else {
@@ -149,7 +149,7 @@ pub fn set_aside(
             let of_fit = pair(experiment, &fitted[output][run], run, output);
             let is_fitted = of_fit.rows == own.rows;
             let moves = spread(&of_fit.model).max(moves);
-            let mut failed = judge.bad();
+            let (mut failed, mut stepped) = (judge.bad(), Vec::new());
             if let Some((bad, _)) = failed.as_mut().filter(|_| is_fitted) {
                 let fit = Judge { own: &of_fit, moves, ..judge };
                 let also = fit.bad().map_or_else(|| vec![false; bad.len()], |(also, _)| also);
@@ -157,7 +157,9 @@ pub fn set_aside(
                 bad.iter_mut().zip(also).for_each(|(bad, also)| *bad &= also);
                 if is_bad_in_fit && !bad.contains(&true) {
                     // A jump that neither prediction contains; they may differ on which side of it is wrong.
-                    fit.moved().into_iter().for_each(|k| bad[k] = true);
+                    let (rows, is_clear) = fit.moved();
+                    stepped = if is_clear { rows } else { judge.moved().0 };
+                    stepped.iter().for_each(|k| bad[*k] = true);
                 }
             }
             failed = failed.filter(|(bad, _)| bad.contains(&true));
@@ -177,7 +179,8 @@ pub fn set_aside(
                 }
             }
             let Some((bad, why)) = failed else { continue };
-            let proven = judge.repeated().into_iter().chain(judge.jumped()).filter(|k| bad[*k]).collect();
+            let jumped = judge.jumped().into_iter().chain(stepped);
+            let proven = judge.repeated().into_iter().chain(jumped).filter(|k| bad[*k]).collect();
             let own = if is_sure && is_fitted { of_fit } else { own };
             failures.push(Failure { output, run, bad, proven, why, sigma, own });
         }
@@ -321,7 +324,7 @@ impl Judge<'_> {
     fn jumped(&self) -> Vec<usize> {
         let jumps = super::signals::jumps(self.column);
         if jumps.is_empty() {
-            return self.moved();
+            return self.moved().0;
         }
         let mut ends = vec![0];
         ends.extend(&jumps);
@@ -334,13 +337,14 @@ impl Judge<'_> {
             parts.iter().filter(|(a, b)| b - a >= LEAST_ROWS).map(|p| off(*p)).fold(f64::INFINITY, f64::min);
         let least = (CERTAIN * best).max(SMALL * self.moves).max(CLEAR * self.sigma);
         let far: Vec<usize> = parts.into_iter().filter(|p| off(*p) > least).flat_map(|(a, b)| a..b).collect();
-        if far.is_empty() { self.moved() } else { far }
+        if far.is_empty() { self.moved().0 } else { far }
     }
 
-    /// All readings except those of the longest section between unpredicted jumps and of sections at the same level.
-    fn moved(&self) -> Vec<usize> {
+    /// All readings except those of one section between unpredicted jumps and of sections at the same level: of the one that agrees with
+    /// the prediction, if it clearly does, else of the longest. Result: the rows, and whether it was clear.
+    fn moved(&self) -> (Vec<usize>, bool) {
         if !self.channel.is_temperature() {
-            return Vec::new();
+            return (Vec::new(), false);
         }
         let jumps = super::signals::small_jumps(self.column);
         let change = |of: &[f64], k: usize| of[k] - of[k - 1];
@@ -359,9 +363,18 @@ impl Judge<'_> {
             last.end = k;
             parts.push(next);
         }
-        let longest = parts.iter().max_by_key(|(part, _)| part.len()).map_or(0.0, |(_, level)| *level);
-        let elsewhere = parts.into_iter().filter(|(_, level)| (level - longest).abs() > 0.5 * least);
-        elsewhere.flat_map(|(part, _)| part).collect()
+        let off = |part: &std::ops::Range<usize>| {
+            median(part.clone().map(|k| (self.own.read[k] - self.own.model[k]).abs()))
+        };
+        let long = parts.iter().filter(|(part, _)| part.len() >= LEAST_ROWS);
+        let best = long.min_by(|a, b| off(&a.0).total_cmp(&off(&b.0)));
+        let longest = parts.iter().max_by_key(|(part, _)| part.len());
+        let is_clear =
+            best.zip(longest).is_some_and(|(best, longest)| FACTOR * off(&best.0) < off(&longest.0));
+        let right = if is_clear { best } else { longest };
+        let right = right.map_or(0.0, |(_, level)| *level);
+        let elsewhere = parts.iter().filter(|(_, level)| (level - right).abs() > 0.5 * least);
+        (elsewhere.flat_map(|(part, _)| part.clone()).collect(), is_clear)
     }
 
     /// Whether the deviation from the prediction changes by this much from one row to the next, and keeps its new level. A prediction that
@@ -432,65 +445,4 @@ impl Judge<'_> {
         }
         all
     }
-}
-
-/// Input that is constant in one run although noisy in others, while an output driven by it deviates from the prediction.
-pub fn dead_input(experiment: &Experiment, predicted: &[Vec<Vec<f64>>]) -> Option<Unusable> {
-    for (k, channel) in experiment.inputs.iter().enumerate() {
-        let same = |w: &[f64]| w[0] == w[1];
-        let pairs = || experiment.runs.iter().flat_map(|r| r.table.columns[k].windows(2));
-        let (still, count) = (pairs().filter(|w| same(w)).count(), pairs().count());
-        if count == 0 || still as f64 > 0.5 * count as f64 {
-            continue;
-        }
-        for (r, run) in experiment.runs.iter().enumerate() {
-            let column = &run.table.columns[k];
-            let Some((from, to)) = longest(column).filter(|(a, b)| b - a >= LEAST_ROWS) else { continue };
-            for output in 0..experiment.outputs.len() {
-                let own = pair(experiment, &predicted[r], r, output);
-                let size = spread(&own.model).max(spread(&own.read));
-                let off = |inside: bool| {
-                    let rows =
-                        own.rows.iter().enumerate().filter(|(_, row)| (from..=to).contains(*row) == inside);
-                    let all = sorted(rows.map(|(j, _)| (own.read[j] - own.model[j]).abs()));
-                    all.get(all.len() * 3 / 4).copied().unwrap_or(f64::NAN)
-                };
-                let elsewhere = if off(false).is_finite() { off(false) } else { 0.0 };
-                if size > 0.0
-                    && off(true) > SMALL * size
-                    && off(true) > CERTAIN * elsewhere
-                    && run.role != Role::Test
-                {
-                    let (a, b) = (run.table.time[from], run.table.time[to]);
-                    let other = experiment.outputs[output].column;
-                    return Some(Unusable {
-                        channel: channel.column.to_string(),
-                        reason: format!(
-                            "{} in {} stands at {} from {a} s to {b} s, although it varies elsewhere, and {other} does not agree with that",
-                            channel.column,
-                            run.file,
-                            column[from] - channel.offset
-                        ),
-                        suggestion: "leave the run out, or end its window before the sensor failed"
-                            .to_string(),
-                    });
-                }
-            }
-        }
-    }
-    None
-}
-
-/// Longest section of identical readings.
-fn longest(column: &[f64]) -> Option<(usize, usize)> {
-    let (mut best, mut from) = (None, 0);
-    for k in 0..column.len() {
-        if column[k] != column[from] {
-            from = k;
-        }
-        if best.is_none_or(|(a, b)| k - from > b - a) {
-            best = Some((from, k));
-        }
-    }
-    best
 }
