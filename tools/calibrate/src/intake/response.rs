@@ -16,7 +16,7 @@
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
 use super::signals::{SENSOR_ERROR, WIDEST};
-use super::{FAR, Predicted, ambient, departures, median, sorted};
+use super::{FAR, Predicted, ambient, departures, drifts, median, sorted};
 use crate::experiment::{Channel, Experiment};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
@@ -202,6 +202,13 @@ pub fn set_aside(
             bad.into_iter().for_each(|k| failure.bad[k] = false);
         }
     }
+    // Another thermometer that has failed spoils the fit from which this one drifts.
+    let failed: Vec<(usize, usize)> =
+        failures.iter().filter(|f| f.bad.contains(&true)).map(|f| (f.run, f.output)).collect();
+    let is_other = |f: &Failure, (run, output): &(usize, usize)| {
+        *run == f.run && *output != f.output && warm.contains(output)
+    };
+    failures.retain(|f| f.why != drifts::WHY || !failed.iter().any(|other| is_other(f, other)));
     failures.retain(|f| f.bad.iter().filter(|bad| **bad).count() >= LEAST_ROWS);
     let mut notes: Vec<String> = Vec::new();
     for k in 0..failures.len() {
@@ -218,12 +225,14 @@ fn blank(experiment: &mut Experiment, failures: &[Failure], k: usize) -> String 
     let Failure { output, run, bad, why, sigma, own, .. } = &failures[k];
     let channel = experiment.outputs[*output];
     let first = experiment.inputs.len() + output;
-    let off: Vec<f64> = own.read.iter().zip(&own.model).map(|(y, m)| (y - m).abs()).collect();
+    let deviation: Vec<f64> = own.read.iter().zip(&own.model).map(|(y, m)| y - m).collect();
+    let off: Vec<f64> = deviation.iter().map(|x| x.abs()).collect();
     let usual = sorted(off.iter().zip(bad).filter(|(_, bad)| !**bad).map(|(x, _)| *x));
     let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(0.0);
     let table = &experiment.runs[*run].table;
     let column: Vec<f64> = own.rows.iter().map(|row| table.columns[first][*row]).collect();
-    let jumps = if channel.is_temperature() { super::signals::small_jumps(&column) } else { Vec::new() };
+    let jumps =
+        if channel.is_temperature() { super::signals::small_jumps(&deviation, &column) } else { Vec::new() };
     let mut bad = bad.clone();
     widen(&mut bad, &off, usual.max(CERTAIN * sigma), &jumps);
     let time = |k: Option<usize>| k.map_or(f64::NAN, |k| table.time[own.rows[k]]);
@@ -346,7 +355,11 @@ impl Judge<'_> {
         if !self.channel.is_temperature() {
             return (Vec::new(), false);
         }
-        let jumps = super::signals::small_jumps(self.column);
+        let off: Vec<f64> = self.own.read.iter().zip(&self.own.model).map(|(y, p)| y - p).collect();
+        let mut jumps = super::signals::jumps(self.column);
+        jumps.extend(super::signals::small_jumps(&off, self.column));
+        jumps.sort_unstable();
+        jumps.dedup();
         let change = |of: &[f64], k: usize| of[k] - of[k - 1];
         let sizes = jumps.iter().map(|k| (*k, change(&self.own.read, *k), change(&self.own.model, *k)));
         let own: Vec<(usize, f64)> = sizes
@@ -363,14 +376,14 @@ impl Judge<'_> {
             last.end = k;
             parts.push(next);
         }
-        let off = |part: &std::ops::Range<usize>| {
+        let typical = |part: &std::ops::Range<usize>| {
             median(part.clone().map(|k| (self.own.read[k] - self.own.model[k]).abs()))
         };
         let long = parts.iter().filter(|(part, _)| part.len() >= LEAST_ROWS);
-        let best = long.min_by(|a, b| off(&a.0).total_cmp(&off(&b.0)));
+        let best = long.min_by(|a, b| typical(&a.0).total_cmp(&typical(&b.0)));
         let longest = parts.iter().max_by_key(|(part, _)| part.len());
         let is_clear =
-            best.zip(longest).is_some_and(|(best, longest)| FACTOR * off(&best.0) < off(&longest.0));
+            best.zip(longest).is_some_and(|(best, longest)| FACTOR * typical(&best.0) < typical(&longest.0));
         let right = if is_clear { best } else { longest };
         let right = right.map_or(0.0, |(_, level)| *level);
         let elsewhere = parts.iter().filter(|(_, level)| (level - right).abs() > 0.5 * least);

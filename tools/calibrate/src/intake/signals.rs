@@ -36,6 +36,9 @@ const NEAR: usize = 10;
 pub(super) const NEAR_BY: f64 = 0.8;
 /// A jump exceeds the channel's usual changes by this factor. Derivation: (1) for 7e4 readings.
 pub(super) const JUMP: f64 = 6.0;
+/// The same for a jump that the rows around it confirm. Derivation: (1) for 7e4 changes, whose quantile 1 - [`RARE`] is 2.8 standard
+/// deviations.
+const SMALL_JUMP: f64 = 2.0;
 /// Error of a thermometer that works, K; a jump is larger. Limit: thermocouple of class 2, IEC 60584-1.
 pub(super) const SENSOR_ERROR: f64 = 2.5;
 /// Fraction of a channel's changes that are not usual. Tuned: a run has fewer jumps.
@@ -314,15 +317,17 @@ impl Readings {
 
 /// Rows at which a temperature has a jump that is greater than the error of a thermometer.
 pub fn jumps(column: &[f64]) -> Vec<usize> {
-    jumps_above(column, SENSOR_ERROR)
+    jumps_above(column, JUMP, SENSOR_ERROR)
 }
 
-/// Rows at which a temperature has a jump that matters: greater than that, or than the structure error of the model in this run.
-pub fn small_jumps(column: &[f64]) -> Vec<usize> {
-    jumps_above(column, SENSOR_ERROR.min(STRUCTURE * super::range(column.iter().copied())))
+/// Rows at which the deviation of a temperature from its prediction may have a jump that matters: greater than that, or than the structure
+/// error of a model of these readings. Whether it is one is seen in the rows around it.
+pub fn small_jumps(deviation: &[f64], readings: &[f64]) -> Vec<usize> {
+    let least = SENSOR_ERROR.min(STRUCTURE * super::range(readings.iter().copied()));
+    jumps_above(deviation, SMALL_JUMP, least)
 }
 
-fn jumps_above(column: &[f64], least: f64) -> Vec<usize> {
+fn jumps_above(column: &[f64], factor: f64, least: f64) -> Vec<usize> {
     let rows: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
     if rows.len() < 4 * NEAR {
         return Vec::new();
@@ -330,7 +335,7 @@ fn jumps_above(column: &[f64], least: f64) -> Vec<usize> {
     let change = |j: usize| (column[rows[j]] - column[rows[j - 1]]).abs();
     let changes = super::sorted((1..rows.len()).map(change));
     let usual = changes[((1.0 - RARE) * (changes.len() - 1) as f64) as usize];
-    let least = (JUMP * usual).max(least);
+    let least = (factor * usual).max(least);
     (1..rows.len()).filter(|j| change(*j) > least).map(|j| rows[j]).collect()
 }
 
@@ -365,7 +370,9 @@ mod tests {
         for seed in 0..20 {
             assert_eq!(spikes(&table(warming(seed)), 0, winding(), 6.0), Vec::<usize>::new(), "{seed}");
             assert_eq!(jumps(&warming(seed)), Vec::<usize>::new(), "{seed}");
-            assert_eq!(small_jumps(&warming(seed)), Vec::<usize>::new(), "{seed}");
+            let (warming, model) = (warming(seed), warming(seed + 100));
+            let off: Vec<f64> = warming.iter().zip(&model).map(|(y, p)| y - p).collect();
+            assert_eq!(small_jumps(&off, &warming), Vec::<usize>::new(), "{seed}");
         }
         for width in 1..=WIDEST {
             for size in [-300.0, 5.0, 900.0] {
@@ -395,7 +402,7 @@ mod tests {
             let mut column = warming(5);
             column[900..1100].fill(level);
             assert_eq!(jumps(&column), [900, 1100], "{level}");
-            assert_eq!(small_jumps(&column), [900, 1100], "{level}");
+            assert_eq!(small_jumps(&column, &column), [900, 1100], "{level}");
         }
     }
 }
