@@ -17,13 +17,13 @@ pub struct Args {
     /// The system: SYSTEM.ssp or SYSTEM.toml
     pub system: PathBuf,
     /// Start time in s or with a unit [default: that of the system, else 0]
-    #[arg(long, value_name = "S", value_parser = time)]
+    #[arg(long, value_name = "S", value_parser = time, allow_hyphen_values = true)]
     start: Option<f64>,
     /// Stop time in s or with a unit, such as "10 min" [default: that of the system, else 1 s after the start]
-    #[arg(long, value_name = "S", value_parser = time)]
+    #[arg(long, value_name = "S", value_parser = time, allow_hyphen_values = true)]
     stop: Option<f64>,
     /// Communication step in s or with a unit [default: that of the system, else the shortest that an FMU proposes]
-    #[arg(long, value_name = "H", value_parser = time)]
+    #[arg(long, value_name = "H", value_parser = time, allow_hyphen_values = true)]
     step: Option<f64>,
     /// Set a parameter or input of a component, or an input of the system: a number in its unit, of a component also with another unit
     /// of the quantity, such as "35 degC". May be repeated

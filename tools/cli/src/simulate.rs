@@ -19,13 +19,13 @@ pub struct Args {
     /// The FMU
     pub file: PathBuf,
     /// Start time in s or with a unit [default: that of the FMU, else 0]
-    #[arg(long, value_name = "S", value_parser = time)]
+    #[arg(long, value_name = "S", value_parser = time, allow_hyphen_values = true)]
     start: Option<f64>,
     /// Stop time in s or with a unit, such as "10 min" [default: that of the FMU, else 1 s after the start]
-    #[arg(long, value_name = "S", value_parser = time)]
+    #[arg(long, value_name = "S", value_parser = time, allow_hyphen_values = true)]
     stop: Option<f64>,
     /// Communication step in s or with a unit [default: that of the FMU, else a 500th of the time]
-    #[arg(long, value_name = "H", value_parser = time)]
+    #[arg(long, value_name = "H", value_parser = time, allow_hyphen_values = true)]
     step: Option<f64>,
     /// Set a parameter or input: a number in its unit or with another unit of the quantity, such as "3000 rpm"; an enumeration by the
     /// name of an item. May be repeated

@@ -107,7 +107,7 @@ pub enum Error {
         expected: String,
     },
     /// The value lies outside the declared limits.
-    #[error("{name} = {}{} is outside its limits {}{}{}", number(*value), spaced(unit), limits(*min, *max), spaced(unit), if *relative { String::new() } else { celsius(*value, unit, *min, *max) })]
+    #[error("{name} = {}{} is outside its limits {}{}{}", number(*value), spaced(unit), limits(*min, *max), spaced(unit), if *may_be_celsius { celsius(*value, unit, *min, *max) } else { String::new() })]
     OutOfRange {
         /// The variable.
         name: String,
@@ -119,8 +119,8 @@ pub enum Error {
         max: Option<f64>,
         /// Declared unit.
         unit: Option<String>,
-        /// Whether it is a difference, of temperatures for example.
-        relative: bool,
+        /// Whether the value may be one in degC by mistake: not a difference of temperatures, nor a value with its unit.
+        may_be_celsius: bool,
     },
     /// A simulation option makes no sense.
     #[error("{option} = {value} {reason}")]

@@ -79,12 +79,27 @@ impl ModelDescription {
     /// # Errors
     /// [`Error::BadValue`], [`Error::OutOfRange`], [`Error::Unsupported`] for a unit of another quantity and for arrays, binaries and clocks.
     pub fn value_of(&self, variable: &Variable, text: &str) -> Result<Value, Error> {
-        let number = match number_with_unit(variable, text) {
-            Some((number, unit)) => Some(in_unit(self, variable, number, unit)?.to_string()),
-            None => None,
+        let Some((number, unit)) = number_with_unit(variable, text) else {
+            let value = self.typed_value(variable, text)?;
+            check_limits(variable, &value)?;
+            return Ok(value);
         };
-        let value = self.typed_value(variable, number.as_deref().unwrap_or(text))?;
-        check_limits(variable, &value)?;
+        let number = in_unit(self, variable, number, unit)?;
+        if !number.is_finite() {
+            return Err(Error::BadValue {
+                name: variable.name.clone(),
+                text: text.to_owned(),
+                expected: finite(variable),
+            });
+        }
+        let value = self.typed_value(variable, &number.to_string())?;
+        check_limits(variable, &value).map_err(|error| match error {
+            // The unit was stated: it is no other one by mistake.
+            Error::OutOfRange { name, value, min, max, unit, .. } => {
+                Error::OutOfRange { name, value, min, max, unit, may_be_celsius: false }
+            }
+            other => other,
+        })?;
         Ok(value)
     }
 
@@ -185,7 +200,11 @@ pub(crate) fn in_unit(
     // A torque constant in rpm/V, a conductance in K/W.
     let own = variable.unit.as_deref().unwrap_or("1");
     let usual = units::conversion(unit.unwrap_or(own), own, variable.relative);
-    usual.map(|usual| usual.of(number)).map_err(|_| Error::unsupported(&variable.name, refused))
+    let refused = |_| {
+        let given = format!("= {} {}: it {refused}", crate::error::number(number), unit.unwrap_or_default());
+        Error::unsupported(&variable.name, given)
+    };
+    usual.map(|usual| usual.of(number)).map_err(refused)
 }
 
 /// At most three of the `candidates` similar to `name`, best first.
@@ -231,7 +250,7 @@ pub(crate) fn check_limits(variable: &Variable, value: &Value) -> Result<(), Err
         min: variable.min,
         max: variable.max,
         unit: variable.unit.clone(),
-        relative: variable.relative,
+        may_be_celsius: !variable.relative,
     })
 }
 

@@ -174,7 +174,7 @@ fn cause(mut cold: Bench, bench: &mut Bench) -> Option<String> {
 }
 
 /// The continuous torque of the model, eq. (2): at its imposed_speed, or with a free shaft at the speed of the steady state. A model
-/// without a command of the current carries the greatest load at its duty cycle, the full one if this is 0.
+/// without a command of the current carries the greatest load at its duty cycle.
 ///
 /// The search runs in the square of the current or of the load, to which the temperature is nearly proportional; a value
 /// with thermal runaway is too high.
@@ -193,10 +193,13 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
         bench.set_text("drive_mode", "current")?;
         "current_command"
     } else if is_limited && bench.knows("duty", None) && bench.knows("load_torque", None) {
-        if bench.get("duty")? == 0.0 {
-            bench.set("duty", 1.0)?;
+        let duty = bench.get("duty")?;
+        if duty == 0.0 {
+            return Err(none(
+                "at duty = 0 the motor drives no load; --set duty=1 is the full voltage".to_owned(),
+            ));
         }
-        sign = bench.get("duty")?.signum();
+        sign = duty.signum();
         "load_torque"
     } else {
         return Err(none("it needs thermal.T_w_max and a commanded current or a load".to_owned()));
@@ -337,29 +340,29 @@ mod tests {
         assert!((found.winding_temperature - 428.15).abs() < 1e-3);
     }
 
-    /// The gearmotor has no commanded current: the greatest load at its duty cycle, the full one without. A steady state at this load is
-    /// at the limit, and one above it beyond.
+    /// The gearmotor has no commanded current: the greatest load at its duty cycle. A steady state at this load is at the limit, and one
+    /// above it beyond.
     #[test]
     fn the_continuous_torque_of_a_motor_at_a_voltage_is_the_load_that_it_carries() {
         let make = |sets: &[(&str, &str)]| {
             Setup::new("BrushedGearmotor", Preset::load("bdcm-37d").ok(), sets).bench().unwrap()
         };
         let mut torques = Vec::new();
-        for duty in ["0", "1", "-0.6"] {
+        for duty in ["1", "-0.6"] {
             let found = continuous_torque(&make(&[("duty", duty)])).unwrap();
             assert_eq!(found.torque_density, None);
             let winding = |factor: f64| {
-                let (duty, load) =
-                    (if duty == "0" { "1" } else { duty }, (factor * found.torque).to_string());
+                let load = (factor * found.torque).to_string();
                 let at = steady(&mut make(&[("duty", duty), ("load_torque", &load)])).unwrap();
                 at.get("winding_margin").unwrap()
             };
             assert!(winding(1.0).abs() < 0.02 && winding(1.02) < -0.1 && winding(0.98) > 0.1, "{found:?}");
             torques.push(found.torque);
         }
-        assert_eq!(torques[0], torques[1]);
+        let rest = continuous_torque(&make(&[("duty", "0")])).unwrap_err().to_string();
+        assert!(rest.contains("at duty = 0 the motor drives no load"), "{rest}");
         // At less speed friction heats less, so that the winding carries more current; a load opposes the motion.
-        assert!(torques[2] < -torques[0], "{torques:?}");
+        assert!(torques[1] < -torques[0], "{torques:?}");
     }
 
     /// With friction, R_ha is still the reciprocal of the conductance that is set: 4.65 K/W.

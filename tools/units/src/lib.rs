@@ -176,7 +176,7 @@ pub fn split(text: &str) -> Option<(f64, &str)> {
     let (number, end) =
         ends.filter_map(|end| Some((pointed[..end].trim_end().parse::<f64>().ok()?, end))).next()?;
     if let Some((whole, decimals)) = text[..end].trim_end().split_once(',')
-        && decimals.len() == 3
+        && decimals.find(|c: char| !c.is_ascii_digit()).unwrap_or(decimals.len()) == 3
         && !whole.trim_start_matches(['+', '-', '0']).is_empty()
     {
         return None;
@@ -213,6 +213,7 @@ mod tests {
             ("1ms", 1e-3),
             ("-0,5 h", -1800.0),
             ("0,1 N.m.s/(N.m)", 0.1),
+            ("1,2e1 min", 720.0),
             ("1e3", 1e3),
         ] {
             assert_eq!(number(text, "s"), Ok(seconds), "{text}");
@@ -277,6 +278,10 @@ mod tests {
             (10.0, "kg.cm", "N.m", 0.980_665),
             (10.0, "gf.cm", "N.m", 9.80665e-4),
             (500.0, "mNms", "N.m.s/rad", 0.5),
+            (2.0, "Nms", "N.m.s/rad", 2.0),
+            (2.0, "Nms/rad", "N.m.s/rad", 2.0),
+            (2.0, "kNms", "N.m.s/rad", 2e3),
+            (3.0, "Nmm", "N.m", 3e-3),
             (1.0, "N.m/rpm", "N.m.s/rad", 60.0 / tau),
             (1.0, "N.m/deg", "N.m/rad", 360.0 / tau),
             (480.0, "g", "kg", 0.48),

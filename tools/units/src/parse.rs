@@ -206,6 +206,11 @@ fn named(name: &str, halves: i8) -> Vec<Reading> {
         }
         return found;
     }
+    parts(name, halves)
+}
+
+/// The readings of a name as several units. What follows the first may be a unit or several: the end of `Nms` is ms, or m and s.
+fn parts(name: &str, halves: i8) -> Vec<Reading> {
     let mut found = Vec::new();
     if name.len() > LONGEST {
         return found;
@@ -213,7 +218,11 @@ fn named(name: &str, halves: i8) -> Vec<Reading> {
     for (at, _) in name.char_indices().skip(1) {
         let (first, rest) = name.split_at(at);
         if unit(first).is_some() {
-            found.extend(product(&named(first, 2), &named(rest, halves)));
+            let mut ends = named(rest, halves);
+            if unit(rest).is_some() {
+                ends.extend(parts(rest, halves));
+            }
+            found.extend(product(&named(first, 2), &ends));
         }
     }
     found

@@ -93,7 +93,7 @@ impl Setting {
     pub fn set(&self, drive: &mut Drive, text: &str) -> Result<(), String> {
         let Setting { name, unit, limits: (low, high), .. } = *self;
         let (number, given) =
-            split(text).ok_or_else(|| format!("{name} = {text} is not a number in {unit}"))?;
+            split(text).ok_or_else(|| format!("{name} = {text} is not a number{}", in_unit(unit)))?;
         let value = match given {
             "" => number,
             given => conversion(given, unit, false)
@@ -101,7 +101,8 @@ impl Setting {
                 .of(number),
         };
         if !(low..=high).contains(&value) {
-            return Err(format!("{name} = {value} is outside its limits {low} ... {high}"));
+            let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+            return Err(format!("{name} = {value}{unit} is outside its limits {low} ... {high}{unit}"));
         }
         *(self.of)(drive) = value;
         Ok(())
@@ -188,7 +189,8 @@ struct Table {
     at: usize,
     columns: [Option<Column>; 4],
     period: Option<f64>,
-    body_mass: Option<f64>,
+    /// With the offset of its key.
+    body_mass: Option<(f64, usize)>,
     drive: Drive,
 }
 
@@ -245,6 +247,11 @@ fn text_of(value: &DeValue<'_>) -> Option<String> {
     }
 }
 
+/// ` in N.m`; nothing for a number without unit.
+fn in_unit(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" in {unit}") }
+}
+
 /// A number above 0 in a unit, from a text that may have another one.
 fn positive(key: &str, text: &str, unit: &str) -> Result<f64, String> {
     let number = units::number(text, unit).map_err(|why| format!("{key} = {text}: {why}"))?;
@@ -285,7 +292,7 @@ fn entry(table: &mut Table, key: &str, value: &DeValue<'_>, at: usize) -> Result
     match key {
         "file" => table.file = Some(text),
         "period" => table.period = Some(positive(key, &text, "s")?),
-        "body_mass" => table.body_mass = Some(positive(key, &text, "kg")?),
+        "body_mass" => table.body_mass = Some((positive(key, &text, "kg")?, at)),
         key => match Setting::named(&format!("cycle.{key}")) {
             Some(setting) => setting.set(&mut table.drive, &text)?,
             None => {
@@ -353,15 +360,14 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, (usize, String)> {
         }
         let si = COLUMNS[kind].1;
         let unit = unit.as_deref().or_else(|| name_and_unit(&headers[place]).1);
-        let relative_to = [period, body_mass];
+        let relative_to = [period, body_mass.map(|(mass, _)| mass)];
         let (conversion, factor) = converted(kind, unit, relative_to)
             .map_err(|sentence| (*at, format!("{}: {sentence}", COLUMNS[kind].0)))?;
         read.push((kind, place, conversion, unit.unwrap_or(si), factor));
     }
-    if body_mass.is_some() && !read.iter().any(|r| r.0 == TORQUE && r.4.is_some()) {
-        return Err(here(
-            "body_mass has no effect: the torque is not one per body mass, as in N.m/kg".to_owned(),
-        ));
+    if let Some((_, at)) = body_mass.filter(|_| !read.iter().any(|r| r.0 == TORQUE && r.4.is_some())) {
+        let why = "body_mass has no effect: the torque is not one per body mass, as in N.m/kg";
+        return Err((at, why.to_owned()));
     }
     let mut values: [Vec<f64>; 4] = Default::default();
     for row in text.rows() {

@@ -246,7 +246,8 @@ fn usual_columns_are_recognised() {
     assert!((table.period - 0.02).abs() < 1e-15 && (table.torques[1] - 6e-3).abs() < 1e-15);
     assert!((table.speeds[1] - 3.0 * PI).abs() < 1e-12);
     for (text, words) in [
-        ("t,M [Nm/kg],n\n0,1,1\n", &["torque", "a torque per body mass", "body_mass"][..]),
+        ("t,M [Nm/kg],n\n0,1,1\n", &[".CSV:1: torque", "a torque per body mass", "body_mass"][..]),
+        ("t,M,n\n0,1,1\n1,1,1\n0.5,1,1\n", &[".CSV:4: time 0.5 s does not follow"]),
         ("t_%,M,n\n0,1,1\n", &["time", "a fraction of the period", "the key period"]),
         ("t,force,n\n0,1,1\n", &["none of the columns torque, tau", "t, force, n", "[cycle]"][..]),
         ("t,M,pressure\n0,1,1\n", &["speed, omega", "angle, phi"]),

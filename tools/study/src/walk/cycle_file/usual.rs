@@ -44,7 +44,8 @@ pub(in crate::walk) fn table_of(path: &Path) -> Result<String, String> {
     let motion = if find(SPEED).is_some() { SPEED } else { ANGLE };
     let quoted = |text: &str| toml::Value::from(text).to_string();
     let file = path.file_name().unwrap_or_default().to_string_lossy();
-    let mut table = format!("[cycle]\nfile = {}\n", quoted(&file));
+    // On one line, so that an error in it has that of the header.
+    let mut table = format!("cycle = {{ file = {}", quoted(&file));
     for place in [TIME, TORQUE, motion] {
         let header = find(place).ok_or_else(|| {
             let wanted = if place == ANGLE { [USUAL[SPEED], USUAL[ANGLE]].concat() } else { USUAL[place].to_vec() };
@@ -55,12 +56,12 @@ pub(in crate::walk) fn table_of(path: &Path) -> Result<String, String> {
             )
         })?;
         table += &match usual(place, header).flatten() {
-            None => format!("{} = {}\n", COLUMNS[place].0, quoted(header)),
+            None => format!(", {} = {}", COLUMNS[place].0, quoted(header)),
             Some(unit) => {
                 let (name, column, unit) = (COLUMNS[place].0, quoted(header), quoted(&unit));
-                format!("{name} = {{ column = {column}, unit = {unit} }}\n")
+                format!(", {name} = {{ column = {column}, unit = {unit} }}")
             }
         };
     }
-    Ok(table)
+    Ok(table + " }\n")
 }

@@ -52,7 +52,12 @@ impl Load {
     /// # Errors
     /// One sentence with file and line, or with name, value and limits.
     pub fn read(file: &Path, preset: Option<&Preset>, sets: &[(String, String)]) -> Result<Load, StudyError> {
-        Load::parsed(&text_of(file)?, &file.display().to_string(), preset, sets, false)
+        let path = file.display().to_string();
+        // An error in the rows of a CSV file without a load file has its place already.
+        let plain = |error: StudyError| {
+            StudyError::new(error.to_string().replace(&format!("{path}:1: {path}"), &path))
+        };
+        Load::parsed(&text_of(file)?, &path, preset, sets, false).map_err(plain)
     }
 
     /// From the text of a file; `file` names it in errors.
