@@ -114,18 +114,14 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     let spikes = signals::set_aside(experiment);
     dead_torque::set_aside(experiment, preset)?;
     first_rows::set_aside(experiment, preset)?;
-    let references = consistency::contradiction(experiment, preset, deadline)?.map_err(Refusal::Unusable)?;
-    if let Some(unusable) = start_elsewhere(experiment) {
-        return Err(Refusal::Unusable(unusable));
+    let stated = (experiment.priors.clone(), experiment.released.clone());
+    let mut fits = Fits::of(experiment, preset, deadline)?;
+    while drifts::set_aside(experiment, preset, &fits.fitted, deadline)? {
+        // What the wrong readings asked for is not wanted without them.
+        (experiment.priors, experiment.released) = stated.clone();
+        fits = Fits::of(experiment, preset, deadline)?;
     }
-    let predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
-    // All outputs as the reference of each output predicts them.
-    let of = |reference: &Option<consistency::Reference>| match reference {
-        Some(one) => predicted_by(experiment, preset, &all_runs(experiment), &one.hypothesis, deadline),
-        None => Ok(predicted.clone()),
-    };
-    let fitted = references.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-    let is_sure: Vec<bool> = references.iter().map(|r| r.as_ref().is_some_and(|r| r.is_sure)).collect();
+    let Fits { predicted, fitted, is_sure } = fits;
     let own = |run: usize| fitted.iter().enumerate().map(|(k, all)| all[run][k].clone()).collect();
     let own: Predicted = all_runs(experiment).into_iter().map(own).collect();
     if let Some(unusable) = clock_jumps::found(experiment, &own) {
@@ -139,6 +135,35 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
         return Err(Refusal::Unusable(unusable));
     }
     Ok(is_sure.iter().all(|sure| *sure))
+}
+
+/// What the model predicts.
+struct Fits {
+    /// By the preset.
+    predicted: Predicted,
+    /// All outputs by the fit that is the reference of each output.
+    fitted: Vec<Predicted>,
+    /// Whether the data of each reference agree with the model.
+    is_sure: Vec<bool>,
+}
+
+impl Fits {
+    /// Of data that no mistake in a column and no start at another temperature contradicts.
+    fn of(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<Fits, Refusal> {
+        let references =
+            consistency::contradiction(experiment, preset, deadline)?.map_err(Refusal::Unusable)?;
+        if let Some(unusable) = start_elsewhere(experiment) {
+            return Err(Refusal::Unusable(unusable));
+        }
+        let predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
+        let of = |reference: &Option<consistency::Reference>| match reference {
+            Some(one) => predicted_by(experiment, preset, &all_runs(experiment), &one.hypothesis, deadline),
+            None => Ok(predicted.clone()),
+        };
+        let fitted = references.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+        let is_sure = references.iter().map(|r| r.as_ref().is_some_and(|r| r.is_sure)).collect();
+        Ok(Fits { predicted, fitted, is_sure })
+    }
 }
 
 fn all_runs(experiment: &Experiment) -> Vec<usize> {

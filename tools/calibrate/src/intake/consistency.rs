@@ -284,6 +284,24 @@ pub fn contradicting_value(
     if as_is.is_cut || as_is.bad_runs().is_empty() { Ok(None) } else { wrong_value(&judge, &thin, &as_is) }
 }
 
+/// The fit of the data without the readings of an output in some runs, and its cost, if these agree with the model.
+///
+/// # Errors
+/// An experiment whose model cannot be set up.
+pub fn without(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    (output, runs): (usize, &[usize]),
+    deadline: &Deadline,
+) -> Result<Option<(Hypothesis, f64)>, CalibrateError> {
+    let (all, thin) = (super::all_runs(experiment), thinned(experiment, ROWS));
+    let others = blanked(&thin, runs, experiment.inputs.len() + output);
+    let cost = fitted(&Judge::of(preset, &all, deadline), &others)?;
+    let agrees = !cost.is_cut && cost.bad_runs().is_empty();
+    let whole = cost.whole();
+    Ok(cost.best.filter(|_| agrees).map(|best| (best.hypothesis, whole)))
+}
+
 /// The fit of the data as they are, if they agree with the model; otherwise each output is predicted by the fit of the others if these
 /// agree. Strained parameters may compensate for a failed sensor and predict nothing.
 fn references(

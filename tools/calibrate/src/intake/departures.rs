@@ -12,7 +12,7 @@
 //! *Source*: detection of abrupt changes in a residual: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
 
 use super::signals::{JUMP, SENSOR_ERROR};
-use super::{drifts, median, range, sorted};
+use super::{median, range, sorted};
 use crate::experiment::{Experiment, Run};
 use crate::levels::{CERTAIN, FACTOR, PART};
 use crate::noise;
@@ -27,7 +27,7 @@ const SIDE: usize = 3;
 /// Fewest readings of a section that is a reference. Derivation: a standard deviation is then known to 13 %, 1 / sqrt(2 n).
 const LEAST_ROWS: usize = 30;
 /// The failure in words.
-const WHY: &str =
+pub(super) const WHY: &str =
     "departs from its node within a minute while nothing changes, as a thermometer that comes off does";
 
 /// First row of each row's later side in (1); `None` at the end of the run and across gaps.
@@ -59,13 +59,9 @@ fn usual(experiment: &Experiment, off: &[Vec<f64>]) -> f64 {
     all.get((USUAL * all.len() as f64) as usize).copied().unwrap_or(0.0)
 }
 
-/// For each run the rows of an output that are wrong, for its deviations by run and row, and why: those on the wrong side of a departure,
-/// unless more than one run has departures, or all of a run in which the thermometer drifts.
-pub(super) fn of(
-    experiment: &Experiment,
-    output: usize,
-    off: &[Vec<f64>],
-) -> Vec<(Vec<usize>, &'static str)> {
+/// For each run the rows of an output on the wrong side of a departure, for its deviations by run and row; none if more than one run has
+/// departures.
+pub(super) fn of(experiment: &Experiment, output: usize, off: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let usual = usual(experiment, off);
     let inputs: Vec<usize> =
         (0..experiment.inputs.len()).filter(|k| !experiment.inputs[*k].is_temperature()).collect();
@@ -74,7 +70,7 @@ pub(super) fn of(
         .map(|k| range(experiment.runs.iter().flat_map(|r| r.table.columns[*k].iter().copied())))
         .collect();
     // The rows, and whether the run has departures at all, also where inputs change.
-    let of_run = |(off, run): (&Vec<f64>, &Run)| -> (Vec<usize>, bool, Vec<usize>) {
+    let of_run = |(off, run): (&Vec<f64>, &Run)| -> (Vec<usize>, bool) {
         let there: Vec<usize> = (0..off.len()).filter(|k| off[*k].is_finite()).collect();
         let table = &run.table;
         let pick = |of: &[f64]| -> Vec<f64> { there.iter().map(|k| of[*k]).collect() };
@@ -92,15 +88,11 @@ pub(super) fn of(
         };
         let bad = of(&is_steady);
         let own = there.iter().zip(bad).filter(|(_, bad)| *bad).map(|(k, _)| *k).collect();
-        let drifting = if drifts::is_drift(&time, &pick(off), &model) { there.clone() } else { Vec::new() };
-        (own, of(&|_, _| true).contains(&true), drifting)
+        (own, of(&|_, _| true).contains(&true))
     };
-    let all: Vec<(Vec<usize>, bool, Vec<usize>)> = off.iter().zip(&experiment.runs).map(of_run).collect();
-    let is_one = all.iter().filter(|(_, departs, _)| *departs).count() == 1;
-    let chosen = |(rows, _, drifting): (Vec<usize>, bool, Vec<usize>)| {
-        if is_one && !rows.is_empty() { (rows, WHY) } else { (drifting, drifts::WHY) }
-    };
-    all.into_iter().map(chosen).collect()
+    let all: Vec<(Vec<usize>, bool)> = off.iter().zip(&experiment.runs).map(of_run).collect();
+    let is_one = all.iter().filter(|(_, departs)| *departs).count() == 1;
+    all.into_iter().map(|(rows, _)| if is_one { rows } else { Vec::new() }).collect()
 }
 
 /// Whether each reading of a run is on the wrong side of a departure; `least` is the least change that is no noise.

@@ -8,20 +8,129 @@
 //!
 //! *Source*: drift of a sensor as an additive fault that grows linearly: Isermann, Fault-Diagnosis Systems (2006), ch. 5.
 
-use super::signals::SENSOR_ERROR;
+use super::signals::{self, SENSOR_ERROR};
+use super::{Predicted, all_runs, consistency, predicted_by};
+use crate::CalibrateError;
+use crate::deadline::Deadline;
+use crate::experiment::Experiment;
 use crate::levels::{FACTOR, NEARLY};
 
 /// The failure in words.
-pub(super) const WHY: &str = "drifts away from the model at a constant rate while the other data agree with it, as a degrading \
-                              thermocouple or an amplifier that warms up does";
+const WHY: &str = "drifts away from the model at a constant rate while the other data agree with it, as a degrading \
+                   thermocouple or an amplifier that warms up does";
+/// Part of a drift that is left if the thermometer is fitted as well, from which it is looked at without it. Definition: half; what the
+/// parameters of the other runs and outputs permit is less.
+const LEFT: f64 = 0.5;
 
-/// Whether a thermometer drifts: times, deviations and predictions of its readings in a run.
-pub(super) fn is_drift(time: &[f64], off: &[f64], model: &[f64]) -> bool {
-    let (Some(first), Some(last)) = (time.first(), time.last()) else { return false };
-    let since: Vec<f64> = time.iter().map(|t| t - first).collect();
-    let (rate, left) = remainder(&since, off);
-    let is_far = rate.abs() * (last - first) > SENSOR_ERROR && left < (1.0 - NEARLY) * product(off, off);
-    is_far && remainder(&centred(model), &centred(off)).1 > FACTOR * left
+/// Deviations of a thermometer from a prediction in a run.
+struct Course {
+    /// Time since the first reading, s.
+    since: Vec<f64>,
+    off: Vec<f64>,
+    model: Vec<f64>,
+}
+
+impl Course {
+    fn of(experiment: &Experiment, predicted: &[Vec<f64>], output: usize, run: usize) -> Course {
+        let table = &experiment.runs[run].table;
+        let column = &table.columns[experiment.inputs.len() + output];
+        let model = predicted.get(output).map_or(&[][..], Vec::as_slice);
+        let mut course = Course { since: Vec::new(), off: Vec::new(), model: Vec::new() };
+        let mut first = None;
+        for ((t, y), p) in
+            table.time.iter().zip(column).zip(model).filter(|((_, y), p)| (**y - **p).is_finite())
+        {
+            course.since.push(t - *first.get_or_insert(*t));
+            course.off.push(y - p);
+            course.model.push(*p);
+        }
+        course
+    }
+
+    /// Deviation at the end by a constant rate, and what this leaves of the sum of squares.
+    fn ramp(&self) -> (f64, f64) {
+        let (rate, left) = remainder(&self.since, &self.off);
+        (rate * self.since.last().copied().unwrap_or(0.0), left)
+    }
+
+    /// Whether it may be what a fit with this thermometer leaves of a drift.
+    fn is_suspect(&self) -> bool {
+        let (end, left) = self.ramp();
+        end.abs() > LEFT * SENSOR_ERROR && left < LEFT * product(&self.off, &self.off)
+    }
+
+    /// (1)
+    fn is_drift(&self) -> bool {
+        let (end, left) = self.ramp();
+        let is_far = end.abs() > SENSOR_ERROR && left < (1.0 - NEARLY) * product(&self.off, &self.off);
+        is_far && remainder(&centred(&self.model), &centred(&self.off)).1 > FACTOR * left
+    }
+}
+
+/// A thermometer that drifts, the runs in which it does, and the cost of the fit without it there.
+struct Drift {
+    output: usize,
+    runs: Vec<usize>,
+    cost: f64,
+}
+
+/// Sets aside the thermometer that drifts, with a note; `fitted` are the predictions of each output's fit. One that drifts spoils the fits in
+/// which others seem to: it is the one without which the rest agrees best. Result: whether one was set aside, so that another may be seen.
+pub(super) fn set_aside(
+    experiment: &mut Experiment,
+    preset: &[(u32, f64)],
+    fitted: &[Predicted],
+    deadline: &Deadline,
+) -> Result<bool, CalibrateError> {
+    let thermometers: Vec<usize> =
+        (0..experiment.outputs.len()).filter(|k| experiment.outputs[*k].is_temperature()).collect();
+    let inputs = experiment.inputs.len();
+    // A thermometer that has moved spoils the fit from which another one then drifts.
+    let is_moved = |run: &usize| {
+        let columns = &experiment.runs[*run].table.columns;
+        thermometers.iter().any(|k| !signals::jumps(&columns[inputs + k]).is_empty())
+    };
+    let (all, still): (Vec<usize>, Vec<usize>) =
+        (all_runs(experiment), all_runs(experiment).into_iter().filter(|run| !is_moved(run)).collect());
+    let drift = |output: usize, without: &[usize]| -> Result<Option<Drift>, CalibrateError> {
+        if deadline.is_near() {
+            return Ok(None);
+        }
+        let fit = consistency::without(experiment, preset, (output, without), deadline)?;
+        let Some((fit, cost)) = fit else { return Ok(None) };
+        let shown = predicted_by(experiment, preset, without, &fit, deadline)?;
+        let own = without.iter().zip(&shown).filter(|(run, _)| still.contains(run));
+        let own = own.filter(|(run, shown)| Course::of(experiment, shown, output, **run).is_drift());
+        let runs: Vec<usize> = own.map(|(run, _)| *run).collect();
+        Ok((!runs.is_empty()).then_some(Drift { output, runs, cost }))
+    };
+    let mut found: Vec<Drift> = Vec::new();
+    let mut suspect: Vec<usize> = Vec::new();
+    for output in thermometers.iter().copied() {
+        for run in &still {
+            if Course::of(experiment, &fitted[output][*run], output, *run).is_suspect() {
+                suspect.push(output);
+                found.extend(drift(output, &[*run])?);
+            }
+        }
+    }
+    // One that drifts in every run is seen without all its readings only.
+    if found.is_empty() {
+        suspect.dedup();
+        for output in suspect {
+            found.extend(drift(output, &all)?);
+        }
+    }
+    let Some(Drift { output, runs, .. }) = found.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
+        return Ok(false);
+    };
+    let column = experiment.outputs[output].column;
+    for run in runs {
+        let run = &mut experiment.runs[run];
+        run.table.columns[inputs + output].fill(f64::NAN);
+        experiment.notes.push(format!("{}: {column} {WHY}; it is set aside in this run", run.file));
+    }
+    Ok(true)
 }
 
 /// Slope over x and sum of squares that it leaves of y.
@@ -41,6 +150,8 @@ fn centred(values: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sensors;
+    use super::super::tests::{CURRENT, HOUSING, WINDING, column, experiment, with_inputs};
     use super::*;
     use crate::testing::{normal, rng};
 
@@ -55,7 +166,8 @@ mod tests {
         let model: Vec<f64> = time.iter().map(|t| 295.0 + rise(t - 500.0)).collect();
         let off: Vec<f64> =
             time.iter().map(|t| added(t - 500.0, rise(t - 500.0)) + 0.2 * normal(&mut rng)).collect();
-        is_drift(&time, &off, &model)
+        let since = time.iter().map(|t| t - time[0]).collect();
+        Course { since, off, model }.is_drift()
     }
 
     #[test]
@@ -69,5 +181,24 @@ mod tests {
         assert!(!drifts(|t, _| if t < 1800.0 { 0.0 } else { -5.0 }), "a sensor that has moved");
         // A further node that warms up within the hour.
         assert!(!drifts(|t, _| 8.0 * (1.0 - (-t / 1200.0).exp())));
+    }
+
+    /// The other run and the other outputs tell what the thermometer should read; all else is left as it is.
+    #[test]
+    fn a_thermometer_that_drifts_is_set_aside_in_its_run() {
+        for (k, rate) in [(HOUSING, 0.008), (WINDING, -0.007)] {
+            let mut wrong = with_inputs(21, |columns| columns[CURRENT].iter_mut().for_each(|i| *i *= 0.9));
+            let mut other = experiment(22).runs.remove(0);
+            other.file = "other.csv".to_string();
+            column(&mut wrong, k).iter_mut().enumerate().for_each(|(n, x)| *x += rate * n as f64);
+            wrong.runs.push(other);
+            assert!(sensors(&mut wrong, &[], &Deadline::default()).is_ok());
+            let blank =
+                |run: usize, k: usize| wrong.runs[run].table.columns[k].iter().filter(|x| x.is_nan()).count();
+            let all = [(0, HOUSING), (0, WINDING), (1, HOUSING), (1, WINDING)];
+            let expected = all.map(|(run, own)| if (run, own) == (0, k) { 1200 } else { 0 });
+            assert_eq!(all.map(|(run, own)| blank(run, own)), expected, "{:?}", wrong.notes);
+            assert!(wrong.notes.iter().any(|note| note.contains("drifts away")), "{:?}", wrong.notes);
+        }
     }
 }

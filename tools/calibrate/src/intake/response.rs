@@ -16,7 +16,7 @@
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
 use super::signals::{SENSOR_ERROR, WIDEST};
-use super::{FAR, Predicted, ambient, departures, drifts, median, sorted};
+use super::{FAR, Predicted, ambient, departures, median, sorted};
 use crate::experiment::{Channel, Experiment};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
@@ -164,9 +164,8 @@ pub fn set_aside(
             }
             failed = failed.filter(|(bad, _)| bad.contains(&true));
             if failed.is_none() && is_sure && is_fitted {
-                let (rows, why) = &gone[run];
-                let gone: Vec<bool> = own.rows.iter().map(|row| rows.contains(row)).collect();
-                failed = Some((gone, *why)).filter(|(gone, _)| gone.contains(&true));
+                let gone: Vec<bool> = own.rows.iter().map(|row| gone[run].contains(row)).collect();
+                failed = Some((gone, departures::WHY)).filter(|(gone, _)| gone.contains(&true));
             }
             if is_predicted && is_fitted {
                 // What the other outputs determine is no matter of the priors, and a rise that is small beside that of other runs is
@@ -202,13 +201,6 @@ pub fn set_aside(
             bad.into_iter().for_each(|k| failure.bad[k] = false);
         }
     }
-    // Another thermometer that has failed spoils the fit from which this one drifts.
-    let failed: Vec<(usize, usize)> =
-        failures.iter().filter(|f| f.bad.contains(&true)).map(|f| (f.run, f.output)).collect();
-    let is_other = |f: &Failure, (run, output): &(usize, usize)| {
-        *run == f.run && *output != f.output && warm.contains(output)
-    };
-    failures.retain(|f| f.why != drifts::WHY || !failed.iter().any(|other| is_other(f, other)));
     failures.retain(|f| f.bad.iter().filter(|bad| **bad).count() >= LEAST_ROWS);
     let mut notes: Vec<String> = Vec::new();
     for k in 0..failures.len() {
