@@ -1,5 +1,6 @@
 //! Tables of inputs over time, from CSV.
-use crate::system::{Affine, conversion, unit_of};
+use crate::quantity::from_unit;
+use crate::system::Affine;
 use crate::{Causality, Error, Kind, ModelDescription, Value, Variability, Variable};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -275,46 +276,6 @@ impl InputTable {
 fn name_and_unit(text: &str) -> (&str, Option<&str>) {
     let (name, unit) = delimited::name_and_unit(text);
     if text[name.len()..].starts_with(char::is_whitespace) { (name, unit) } else { (text, None) }
-}
-
-/// The conversion of numbers in `unit`, by default that of the variable or its display unit, to the unit of the variable.
-pub(crate) fn from_unit(
-    description: &ModelDescription,
-    variable: &Variable,
-    unit: Option<&str>,
-    display_units: bool,
-) -> Result<Affine, String> {
-    let display = description.display_unit(variable).filter(|_| display_units);
-    let unit = unit.or(display.as_ref().map(|display| display.name.as_str()));
-    let Some(wanted) = unit.filter(|unit| variable.unit.as_deref() != Some(unit)) else {
-        return Ok(Affine::IDENTITY);
-    };
-    let own = unit_of(description, variable);
-    let shown = own.iter().flat_map(|own| &own.display_units).find(|d| d.name == wanted && !d.inverse);
-    if let Some(display) = shown {
-        let offset = if variable.relative { 0.0 } else { display.offset };
-        return Ok(Affine { factor: 1.0 / display.factor, offset: -offset / display.factor });
-    }
-    let defined = description.units.iter().find(|u| u.name == wanted);
-    if let Some(convert) = conversion(defined, own.as_ref(), variable.relative).filter(|_| defined.is_some())
-    {
-        return Ok(convert);
-    }
-    // A unit that the FMU does not define, by its usual meaning.
-    let of_variable = variable.unit.as_deref();
-    let usual = units::conversion(wanted, of_variable.unwrap_or("1"), variable.relative);
-    match usual {
-        Ok(usual) if !usual.reciprocal => {
-            let offset = usual.of(0.0);
-            Ok(Affine { factor: usual.of(1.0) - offset, offset })
-        }
-        refused => {
-            let own = of_variable.map_or("no unit".to_owned(), |u| format!("the unit {u:?}"));
-            let why =
-                refused.err().map_or(format!("{wanted:?} is a reciprocal"), |refusal| refusal.to_string());
-            Err(format!("has {own}, and {why}"))
-        }
-    }
 }
 
 #[cfg(test)]

@@ -41,6 +41,7 @@ mod log;
 pub mod ode;
 mod page;
 mod plot;
+mod quantity;
 pub mod raw;
 mod recording;
 mod simulate;

@@ -1,6 +1,6 @@
 //! Text to values: `--set name=value`, cells of input tables.
 use crate::error::suggestion;
-use crate::input::from_unit;
+use crate::quantity::{in_unit, number_with_unit};
 use crate::{Causality, Error, Kind, ModelDescription, Variability, Variable};
 
 /// A value that a variable can be set to.
@@ -176,35 +176,6 @@ impl ModelDescription {
     fn settable_role(&self, v: &Variable) -> bool {
         matches!(v.causality, Causality::Parameter | Causality::StructuralParameter | Causality::Input)
     }
-}
-
-/// The number and its unit, if the text of a real variable is no plain number: `300 rpm`, `0,5`.
-pub(crate) fn number_with_unit<'t>(variable: &Variable, text: &'t str) -> Option<(f64, &'t str)> {
-    let is_scalar = variable.kind.is_float() && variable.dimensions.is_empty();
-    let is_plain = text.trim().parse::<f64>().is_ok();
-    units::split(text).filter(|_| is_scalar && !is_plain)
-}
-
-/// A number with a unit, in the unit of the variable.
-pub(crate) fn in_unit(
-    description: &ModelDescription,
-    variable: &Variable,
-    number: f64,
-    unit: &str,
-) -> Result<f64, Error> {
-    let unit = Some(unit).filter(|unit| !unit.is_empty());
-    let refused = match from_unit(description, variable, unit, false) {
-        Ok(convert) => return Ok(convert.of(number)),
-        Err(refused) => refused,
-    };
-    // A torque constant in rpm/V, a conductance in K/W.
-    let own = variable.unit.as_deref().unwrap_or("1");
-    let usual = units::conversion(unit.unwrap_or(own), own, variable.relative);
-    let refused = |_| {
-        let given = format!("= {} {}: it {refused}", crate::error::number(number), unit.unwrap_or_default());
-        Error::unsupported(&variable.name, given)
-    };
-    usual.map(|usual| usual.of(number)).map_err(refused)
 }
 
 /// At most three of the `candidates` similar to `name`, best first.

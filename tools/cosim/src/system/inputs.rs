@@ -3,7 +3,8 @@ use super::connections::Connections;
 use super::parts::{Parts, Port};
 use super::settings::owner;
 use super::units::{Affine, conversion, unit_of};
-use crate::input::{Target, from_unit};
+use crate::input::Target;
+use crate::quantity::from_unit;
 use crate::{Error, InputTable, ModelDescription, Variable};
 use std::path::Path;
 

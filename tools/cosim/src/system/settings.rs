@@ -2,7 +2,7 @@
 use super::ends::named;
 use super::structure::{Component, Place, Setting, Structure};
 use super::units::{Affine, conversion, unit_of};
-use crate::value::{in_unit, number_with_unit};
+use crate::quantity::{in_unit, number_with_unit};
 use crate::{Error, ModelDescription, Unit, Value};
 
 /// A setting with its origin.

@@ -1,0 +1,72 @@
+//! Numbers with units for the variables of an FMU: units of the FMU, and all others of the quantity.
+use crate::system::{Affine, conversion, unit_of};
+use crate::{Error, ModelDescription, Variable};
+
+/// The number and its unit, if the text of a real variable is no plain number: `300 rpm`, `0,5`.
+pub(crate) fn number_with_unit<'t>(variable: &Variable, text: &'t str) -> Option<(f64, &'t str)> {
+    let is_scalar = variable.kind.is_float() && variable.dimensions.is_empty();
+    let is_plain = text.trim().parse::<f64>().is_ok();
+    units::split(text).filter(|_| is_scalar && !is_plain)
+}
+
+/// A number with a unit, in the unit of the variable.
+pub(crate) fn in_unit(
+    description: &ModelDescription,
+    variable: &Variable,
+    number: f64,
+    unit: &str,
+) -> Result<f64, Error> {
+    let unit = Some(unit).filter(|unit| !unit.is_empty());
+    let refused = match from_unit(description, variable, unit, false) {
+        Ok(convert) => return Ok(convert.of(number)),
+        Err(refused) => refused,
+    };
+    // A torque constant in rpm/V, a conductance in K/W.
+    let own = variable.unit.as_deref().unwrap_or("1");
+    let usual = units::conversion(unit.unwrap_or(own), own, variable.relative);
+    let refused = |_| {
+        let given = format!("= {} {}: it {refused}", crate::error::number(number), unit.unwrap_or_default());
+        Error::unsupported(&variable.name, given)
+    };
+    usual.map(|usual| usual.of(number)).map_err(refused)
+}
+
+/// The conversion of numbers in `unit`, by default that of the variable or its display unit, to the unit of the variable.
+pub(crate) fn from_unit(
+    description: &ModelDescription,
+    variable: &Variable,
+    unit: Option<&str>,
+    display_units: bool,
+) -> Result<Affine, String> {
+    let display = description.display_unit(variable).filter(|_| display_units);
+    let unit = unit.or(display.as_ref().map(|display| display.name.as_str()));
+    let Some(wanted) = unit.filter(|unit| variable.unit.as_deref() != Some(unit)) else {
+        return Ok(Affine::IDENTITY);
+    };
+    let own = unit_of(description, variable);
+    let shown = own.iter().flat_map(|own| &own.display_units).find(|d| d.name == wanted && !d.inverse);
+    if let Some(display) = shown {
+        let offset = if variable.relative { 0.0 } else { display.offset };
+        return Ok(Affine { factor: 1.0 / display.factor, offset: -offset / display.factor });
+    }
+    let defined = description.units.iter().find(|u| u.name == wanted);
+    if let Some(convert) = conversion(defined, own.as_ref(), variable.relative).filter(|_| defined.is_some())
+    {
+        return Ok(convert);
+    }
+    // A unit that the FMU does not define, by its usual meaning.
+    let of_variable = variable.unit.as_deref();
+    let usual = units::conversion(wanted, of_variable.unwrap_or("1"), variable.relative);
+    match usual {
+        Ok(usual) if !usual.reciprocal => {
+            let offset = usual.of(0.0);
+            Ok(Affine { factor: usual.of(1.0) - offset, offset })
+        }
+        refused => {
+            let own = of_variable.map_or("no unit".to_owned(), |u| format!("the unit {u:?}"));
+            let why =
+                refused.err().map_or(format!("{wanted:?} is a reciprocal"), |refusal| refusal.to_string());
+            Err(format!("has {own}, and {why}"))
+        }
+    }
+}
