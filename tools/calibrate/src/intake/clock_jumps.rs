@@ -82,13 +82,12 @@ mod tests {
             assert!(found.starts_with("time_s") && found.contains(&format!("{}", seconds + 3.0)), "{found}");
         }
         // A real gap: rows are missing, and the motor has gone on meanwhile.
-        for (from, to) in [(400, 700)] {
-            let found = channel_after(|data| {
-                let table = &mut data.runs[0].table;
-                table.time.drain(from..to);
-                table.columns.iter_mut().for_each(|column| drop(column.drain(from..to)));
-            });
-            assert!(found.is_none_or(|found| !found.starts_with("time_s")));
-        }
+        let (from, to) = (400, 700);
+        let found = channel_after(|data| {
+            let table = &mut data.runs[0].table;
+            table.time.drain(from..to);
+            table.columns.iter_mut().for_each(|column| drop(column.drain(from..to)));
+        });
+        assert!(found.is_none_or(|found| !found.starts_with("time_s")));
     }
 }
