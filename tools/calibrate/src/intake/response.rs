@@ -16,7 +16,7 @@
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
 use super::signals::{SENSOR_ERROR, WIDEST};
-use super::{FAR, Predicted, ambient, departures, median, range, sorted};
+use super::{FAR, Predicted, ambient, departures, median, sorted};
 use crate::experiment::{Channel, Experiment};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
@@ -107,10 +107,6 @@ pub fn set_aside(
     deviations: impl FnOnce() -> Predicted,
 ) {
     let deviations = LazyCell::new(deviations);
-    let loads: Vec<(usize, f64)> = (0..experiment.inputs.len())
-        .filter(|k| !experiment.inputs[*k].is_temperature())
-        .map(|k| (k, range(experiment.runs.iter().flat_map(|r| r.table.columns[k].iter().copied()))))
-        .collect();
     let mut failures: Vec<Failure> = Vec::new();
     // Deviation of a channel, by row of a run, from the prediction of an output's fit.
     let off = |of: usize, output: usize, run: usize| -> Vec<f64> {
@@ -148,23 +144,8 @@ pub fn set_aside(
                 let of = |row: &usize| deviations[run].get(output).map_or(0.0, |all| all[*row].powi(2));
                 (rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64).sqrt()
             };
-            // A law of the sensor over speed or fan makes a step where these do.
-            let is_steady = |k: usize| {
-                let rows = own.rows[k.saturating_sub(WIDEST)]..=own.rows[k];
-                loads.iter().all(|(input, span)| {
-                    range(table.columns[*input][rows.clone()].iter().copied()) <= SMALL * span
-                })
-            };
-            let judge = Judge {
-                is_steady: &is_steady,
-                channel,
-                own: &own,
-                time: &time,
-                column: &column,
-                sigma,
-                moves,
-                doubt: &doubt,
-            };
+            let judge =
+                Judge { channel, own: &own, time: &time, column: &column, sigma, moves, doubt: &doubt };
             let of_fit = pair(experiment, &fitted[output][run], run, output);
             let is_fitted = of_fit.rows == own.rows;
             let moves = spread(&of_fit.model).max(moves);
@@ -289,8 +270,6 @@ struct Judge<'a> {
     column: &'a [f64],
     sigma: f64,
     moves: f64,
-    /// Whether every input keeps its level up to a reading.
-    is_steady: &'a dyn Fn(usize) -> bool,
     /// Standard deviation of the prediction due to the priors, over some rows.
     doubt: &'a dyn Fn(&[usize]) -> f64,
 }
@@ -410,9 +389,7 @@ impl Judge<'_> {
         let (before, after) = (k.saturating_sub(LEAST_ROWS)..k, k..(k + LEAST_ROWS).min(self.column.len()));
         let interval = |j: usize| self.time[j] - self.time[j - 1];
         let usual = median((1..self.time.len()).map(interval));
-        interval(k) < FACTOR * usual
-            && (self.is_steady)(k)
-            && (off(after) - off(before) - size).abs() < UNPREDICTED * size.abs()
+        interval(k) < FACTOR * usual && (off(after) - off(before) - size).abs() < UNPREDICTED * size.abs()
     }
 
     /// (1)
