@@ -28,7 +28,7 @@ pub struct Args {
 pub fn seconds(text: &str) -> Result<f64, String> {
     match units::number(text, "s") {
         Ok(s) if s > 0.0 && s <= 86_400.0 => Ok(s),
-        Ok(_) | Err(_) => Err("it must be a number of seconds above 0, at most 86400".to_owned()),
+        _ => Err("it must be a number of seconds above 0, at most 86400".to_owned()),
     }
 }
 

@@ -342,6 +342,7 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, (usize, String)> {
         }
     }
     let headers = text.header();
+    let relative_to = [period, body_mass.map(|(mass, _)| mass)];
     let mut read: Vec<(usize, usize, Conversion, &str, Option<f64>)> = Vec::new();
     for (kind, column) in columns.iter().enumerate() {
         let Some(Column { header, unit, at }) = column else { continue };
@@ -360,7 +361,6 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, (usize, String)> {
         }
         let si = COLUMNS[kind].1;
         let unit = unit.as_deref().or_else(|| name_and_unit(&headers[place]).1);
-        let relative_to = [period, body_mass.map(|(mass, _)| mass)];
         let (conversion, factor) = converted(kind, unit, relative_to)
             .map_err(|sentence| (*at, format!("{}: {sentence}", COLUMNS[kind].0)))?;
         read.push((kind, place, conversion, unit.unwrap_or(si), factor));

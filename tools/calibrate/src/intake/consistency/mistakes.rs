@@ -379,7 +379,7 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
         found.extend((0..k).map(|other| Mistake::Swap(other, k)));
         let is_load = !channel.is_temperature() && !matches!(channel.unit, Unit::One | Unit::Pascal);
         if let Some(time) = longest.filter(|_| is_load) {
-            let whole = time[time.len() - 1] - time[0];
+            let whole = span(time);
             let row = whole / time.len() as f64;
             let taus = |from: f64, by: f64, to: f64| {
                 std::iter::successors(Some(from), move |tau| Some(by * tau)).take_while(move |tau| *tau < to)
