@@ -21,6 +21,7 @@ mod first_rows;
 mod pulses;
 mod response;
 mod signals;
+mod steps;
 
 use crate::CalibrateError;
 use crate::comparison::converted;

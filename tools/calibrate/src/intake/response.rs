@@ -15,8 +15,9 @@
 //! *Assumes* that parameter errors and missing effects change a temperature rise by less than a factor of eight. *Sources*: Isermann,
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
-use super::signals::{SENSOR_ERROR, WIDEST};
-use super::{FAR, Predicted, ambient, departures, median, sorted};
+use super::signals::{NEAR, WIDEST};
+use super::steps::{Load, Steps, UNPREDICTED};
+use super::{FAR, Predicted, ambient, departures, median, range, sorted};
 use crate::experiment::{Channel, Experiment};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
@@ -27,9 +28,6 @@ use std::cell::LazyCell;
 const LEVEL: (f64, f64) = (0.125, 8.0);
 /// Fewest rows of a section. Derivation: a standard deviation is then known to 13 %, 1 / sqrt(2 n).
 pub(super) const LEAST_ROWS: usize = 30;
-/// Unpredicted fraction of a jump above which it is attributed to the sensor. Limit: if the preset's heat capacity is within a factor
-/// of two of the motor's, the model predicts at least half of a step.
-const UNPREDICTED: f64 = 0.5;
 /// Numbers of sections of a run to which (2) is applied. Numerical: a failure of an eighth of a run or more is seen.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
 /// Standard deviations of the noise, or resolutions, that count as a change. Derivation: two readings, each with an error within
@@ -107,6 +105,10 @@ pub fn set_aside(
     deviations: impl FnOnce() -> Predicted,
 ) {
     let deviations = LazyCell::new(deviations);
+    let ranges: Vec<(usize, f64)> = (0..experiment.inputs.len())
+        .filter(|k| !experiment.inputs[*k].is_temperature())
+        .map(|k| (k, range(experiment.runs.iter().flat_map(|r| r.table.columns[k].iter().copied()))))
+        .collect();
     let mut failures: Vec<Failure> = Vec::new();
     // Deviation of a channel, by row of a run, from the prediction of an output's fit.
     let off = |of: usize, output: usize, run: usize| -> Vec<f64> {
@@ -144,8 +146,18 @@ pub fn set_aside(
                 let of = |row: &usize| deviations[run].get(output).map_or(0.0, |all| all[*row].powi(2));
                 (rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64).sqrt()
             };
-            let judge =
-                Judge { channel, own: &own, time: &time, column: &column, sigma, moves, doubt: &doubt };
+            let loads: Vec<Load> =
+                ranges.iter().map(|(k, range)| Load { values: &table.columns[*k], range: *range }).collect();
+            let judge = Judge {
+                channel,
+                own: &own,
+                time: &time,
+                column: &column,
+                sigma,
+                moves,
+                loads: &loads,
+                doubt: &doubt,
+            };
             let of_fit = pair(experiment, &fitted[output][run], run, output);
             let is_fitted = of_fit.rows == own.rows;
             let moves = spread(&of_fit.model).max(moves);
@@ -270,6 +282,8 @@ struct Judge<'a> {
     column: &'a [f64],
     sigma: f64,
     moves: f64,
+    /// Inputs of the run that are no temperatures.
+    loads: &'a [Load<'a>],
     /// Standard deviation of the prediction due to the priors, over some rows.
     doubt: &'a dyn Fn(&[usize]) -> f64,
 }
@@ -320,7 +334,7 @@ impl Judge<'_> {
         stretches.iter().filter(|s| long(s)).flat_map(|(a, b)| *a..=*b).collect()
     }
 
-    /// Sections between jumps that deviate far more from the prediction than the best one. If there is none, all but the longest section
+    /// Sections between jumps that deviate far more from the prediction than the best one. If there is none, all but one section
     /// between jumps that the model does not predict: a sensor that has moved reads differently before and after.
     fn jumped(&self) -> Vec<usize> {
         let jumps = super::signals::jumps(self.column);
@@ -342,12 +356,13 @@ impl Judge<'_> {
     }
 
     /// All readings except those of one section between unpredicted jumps and of sections at the same level: of the one that agrees with
-    /// the prediction, if it clearly does, else of the longest. Result: the rows, and whether it was clear.
+    /// the prediction, if it clearly does, else of the one that agrees with it at the start. Result: the rows, and whether it was clear.
     fn moved(&self) -> (Vec<usize>, bool) {
         if !self.channel.is_temperature() {
             return (Vec::new(), false);
         }
         let off: Vec<f64> = self.own.read.iter().zip(&self.own.model).map(|(y, p)| y - p).collect();
+        let steps = Steps { off: &off, time: self.time, rows: &self.own.rows, loads: self.loads };
         let mut jumps = super::signals::jumps(self.column);
         jumps.extend(super::signals::small_jumps(&off, self.column));
         jumps.sort_unstable();
@@ -357,8 +372,9 @@ impl Judge<'_> {
         let own: Vec<(usize, f64)> = sizes
             .filter(|(_, read, model)| (read - model).abs() > UNPREDICTED * read.abs())
             .map(|(k, read, model)| (k, read - model))
-            .filter(|(k, size)| size.abs() > SENSOR_ERROR || self.is_step(*k, *size))
+            .filter(|(k, size)| steps.is_one(*k, *size))
             .collect();
+        let typical = |part: &std::ops::Range<usize>| median(part.clone().map(|k| off[k].abs()));
         let least = own.iter().map(|(_, size)| size.abs()).fold(f64::INFINITY, f64::min);
         // Sections with the accumulated jump before each.
         let mut parts = vec![(0..self.column.len(), 0.0)];
@@ -368,28 +384,18 @@ impl Judge<'_> {
             last.end = k;
             parts.push(next);
         }
-        let typical = |part: &std::ops::Range<usize>| {
-            median(part.clone().map(|k| (self.own.read[k] - self.own.model[k]).abs()))
-        };
         let long = parts.iter().filter(|(part, _)| part.len() >= LEAST_ROWS);
         let best = long.min_by(|a, b| typical(&a.0).total_cmp(&typical(&b.0)));
         let longest = parts.iter().max_by_key(|(part, _)| part.len());
         let is_clear =
             best.zip(longest).is_some_and(|(best, longest)| FACTOR * typical(&best.0) < typical(&longest.0));
-        let right = if is_clear { best } else { longest };
+        // The motor starts at ambient temperature, whatever its parameters are.
+        let start = median(off.iter().take(NEAR).copied());
+        let at_start = parts.iter().min_by(|a, b| (a.1 + start).abs().total_cmp(&(b.1 + start).abs()));
+        let right = if is_clear { best } else { at_start };
         let right = right.map_or(0.0, |(_, level)| *level);
         let elsewhere = parts.iter().filter(|(_, level)| (level - right).abs() > 0.5 * least);
         (elsewhere.flat_map(|(part, _)| part.clone()).collect(), is_clear)
-    }
-
-    /// Whether the deviation from the prediction changes by this much from one row to the next, and keeps its new level. A prediction that
-    /// follows a change of the load too fast or too slowly, or a gap between the rows, changes it over several rows.
-    fn is_step(&self, k: usize, size: f64) -> bool {
-        let off = |rows: std::ops::Range<usize>| median(rows.map(|j| self.own.read[j] - self.own.model[j]));
-        let (before, after) = (k.saturating_sub(LEAST_ROWS)..k, k..(k + LEAST_ROWS).min(self.column.len()));
-        let interval = |j: usize| self.time[j] - self.time[j - 1];
-        let usual = median((1..self.time.len()).map(interval));
-        interval(k) < FACTOR * usual && (off(after) - off(before) - size).abs() < UNPREDICTED * size.abs()
     }
 
     /// (1)

@@ -30,7 +30,7 @@ pub(super) const WIDEST: usize = 5;
 /// a step changes the level by its whole size; this is the middle.
 pub(super) const ALIKE: f64 = 0.5;
 /// Number of neighbouring readings. Numerical: their changes determine a scale to 20 %, and spikes exceed it many times.
-const NEAR: usize = 10;
+pub(super) const NEAR: usize = 10;
 /// Quantile of the neighbouring changes, if other pulses may be among them. Derivation: of 18 changes, another pulse accounts for two and a
 /// step of an input for one.
 pub(super) const NEAR_BY: f64 = 0.8;

@@ -281,6 +281,8 @@ fn readings_of_a_sensor_that_has_moved_are_set_aside() {
         (WINDING, 300, 1.0, 12.0),
         (HOUSING, 750, 1.0, 1.7),
         (WINDING, 420, 1.0, -1.9),
+        (WINDING, 430, 1.0, -1.9),
+        (WINDING, 477, 1.0, 1.6),
     ] {
         let mut moved = experiment(10);
         column(&mut moved, k)[from..].iter_mut().for_each(|x| *x = 296.15 + share * (*x - 296.15) + offset);
@@ -292,6 +294,19 @@ fn readings_of_a_sensor_that_has_moved_are_set_aside() {
         let kept = if from > 600 { before < 20 } else { before == from };
         assert!(kept && after == 1200 - from, "{k} from {from}: {before} {after} {:?}", moved.notes);
         assert_eq!(blank(WINDING + HOUSING - k, 0..1200), 0, "{:?}", moved.notes);
+    }
+}
+
+/// A law of a thermometer over the speed steps with it, and is no sensor that has moved.
+#[test]
+fn a_law_of_a_thermometer_over_the_speed_is_no_step() {
+    for (seed, k, size) in [(41, WINDING, 1.6), (42, HOUSING, -2.2), (43, WINDING, -4.0)] {
+        let mut law = experiment(seed);
+        let speed = column(&mut law, SPEED).clone();
+        column(&mut law, k).iter_mut().zip(speed).for_each(|(x, w)| *x += size * f64::from(w > 200.0));
+        assert_eq!(unusable(&mut law), None);
+        let blank = column(&mut law, k).iter().filter(|x| x.is_nan()).count();
+        assert!(blank < 20, "{k} {size}: {blank} {:?}", law.notes);
     }
 }
 
