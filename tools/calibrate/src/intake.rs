@@ -18,6 +18,7 @@ mod dead_torque;
 mod departures;
 mod drifts;
 mod first_rows;
+mod gaps;
 mod pulses;
 mod response;
 mod signals;
@@ -116,18 +117,23 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     dead_torque::set_aside(experiment, preset)?;
     first_rows::set_aside(experiment, preset)?;
     let stated = (experiment.priors.clone(), experiment.released.clone());
-    let mut fits = Fits::of(experiment, preset, deadline)?;
-    while drifts::set_aside(experiment, preset, &fits.fitted, deadline)? {
-        // What the wrong readings asked for is not wanted without them.
+    // What the wrong readings asked for is not wanted without them.
+    let again = |experiment: &mut Experiment| {
         (experiment.priors, experiment.released) = stated.clone();
-        fits = Fits::of(experiment, preset, deadline)?;
-    }
-    let Fits { predicted, fitted, is_sure } = fits;
-    let own = |run: usize| fitted.iter().enumerate().map(|(k, all)| all[run][k].clone()).collect();
-    let own: Predicted = all_runs(experiment).into_iter().map(own).collect();
-    if let Some(unusable) = clock_jumps::found(experiment, &own) {
+        Fits::of(experiment, preset, deadline)
+    };
+    let mut fits = Fits::of(experiment, preset, deadline)?;
+    if let Some(unusable) = clock_jumps::found(experiment, &fits.own()) {
         return Err(Refusal::Unusable(unusable));
     }
+    while gaps::split(experiment, &fits.fitted) {
+        fits = again(experiment)?;
+    }
+    while drifts::set_aside(experiment, preset, &fits.fitted, deadline)? {
+        fits = again(experiment)?;
+    }
+    let own = fits.own();
+    let Fits { predicted, fitted, is_sure } = fits;
     pulses::set_aside(experiment, &own, &spikes);
     let asked = experiment.clone();
     let deviations = || deviations(&asked, preset, &predicted, deadline);
@@ -164,6 +170,12 @@ impl Fits {
         let fitted = references.iter().map(of).collect::<Result<Vec<_>, _>>()?;
         let is_sure = references.iter().map(|r| r.as_ref().is_some_and(|r| r.is_sure)).collect();
         Ok(Fits { predicted, fitted, is_sure })
+    }
+
+    /// Each output by its own fit.
+    fn own(&self) -> Predicted {
+        let runs = 0..self.predicted.len();
+        runs.map(|run| self.fitted.iter().enumerate().map(|(k, all)| all[run][k].clone()).collect()).collect()
     }
 }
 
