@@ -126,7 +126,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     if let Some(unusable) = clock_jumps::found(experiment, &fits.own()) {
         return Err(Refusal::Unusable(unusable));
     }
-    while gaps::split(experiment, &fits.fitted) {
+    if gaps::split(experiment, preset, &fits.fitted, deadline)? {
         fits = again(experiment)?;
     }
     while drifts::set_aside(experiment, preset, &fits.fitted, deadline)? {

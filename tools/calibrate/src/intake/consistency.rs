@@ -294,12 +294,25 @@ pub fn without(
     (output, runs): (usize, &[usize]),
     deadline: &Deadline,
 ) -> Result<Option<(Hypothesis, f64)>, CalibrateError> {
-    let (all, thin) = (super::all_runs(experiment), thinned(experiment, ROWS));
-    let others = blanked(&thin, runs, experiment.inputs.len() + output);
-    let cost = fitted(&Judge::of(preset, &all, deadline), &others)?;
+    let others = blanked(&thinned(experiment, ROWS), runs, experiment.inputs.len() + output);
+    let cost = fitted(&Judge::of(preset, &super::all_runs(experiment), deadline), &others)?;
     let agrees = !cost.is_cut && cost.bad_runs().is_empty();
     let whole = cost.whole();
     Ok(cost.best.filter(|_| agrees).map(|best| (best.hypothesis, whole)))
+}
+
+/// The fit of the data, whether they agree with the model or not; `None` if the deadline ends it.
+///
+/// # Errors
+/// An experiment whose model cannot be set up.
+pub fn fit(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Result<Option<Hypothesis>, CalibrateError> {
+    let all = super::all_runs(experiment);
+    let cost = fitted(&Judge::of(preset, &all, deadline), &thinned(experiment, ROWS))?;
+    Ok(cost.best.filter(|_| !cost.is_cut).map(|best| best.hypothesis))
 }
 
 /// The fit of the data as they are, if they agree with the model; otherwise each output is predicted by the fit of the others if these
