@@ -21,6 +21,7 @@ mod first_rows;
 mod gaps;
 mod pulses;
 mod response;
+mod saturated;
 mod signals;
 mod steps;
 
@@ -125,6 +126,9 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     let mut fits = Fits::of(experiment, preset, deadline)?;
     if let Some(unusable) = clock_jumps::found(experiment, &fits.own()) {
         return Err(Refusal::Unusable(unusable));
+    }
+    if saturated::set_aside(experiment, &fits.predicted, &fits.own()) {
+        fits = again(experiment)?;
     }
     if gaps::split(experiment, preset, &fits.fitted, deadline)? {
         fits = again(experiment)?;

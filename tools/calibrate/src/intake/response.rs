@@ -41,7 +41,7 @@ pub const ENOUGH: usize = 40;
 /// both deviate equally, and a failed sensor alone does not move the other; this is the middle.
 const AGREES: f64 = 0.5;
 /// Quantile of a variation that ignores spikes, on either side. Numerical: 2 % of the readings.
-const TAIL: f64 = 0.02;
+pub(super) const TAIL: f64 = 0.02;
 
 /// A sensor that does not respond, in words.
 pub const DEAD: &str = "does not follow what drives it, as a dead or detached sensor does";
@@ -79,6 +79,16 @@ pub fn spread(values: &[f64]) -> f64 {
     let all = sorted(values.iter().copied());
     let at = |share: f64| all[(share * (all.len() - 1) as f64) as usize];
     if all.is_empty() { 0.0 } else { at(1.0 - TAIL) - at(TAIL) }
+}
+
+/// cov(y, p) / var(p) of (2).
+pub(super) fn slope(read: &[f64], model: &[f64]) -> f64 {
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+    let (a, b) = (mean(read), mean(model));
+    let pairs = read.iter().zip(model);
+    let (both, own) =
+        pairs.fold((0.0, 0.0), |(both, own), (y, p)| (both + (y - a) * (p - b), own + (p - b).powi(2)));
+    both / own
 }
 
 /// Failed readings of an output in a run.
@@ -438,16 +448,9 @@ impl Judge<'_> {
                 if moved <= (PART * self.moves).max(CLEAR * self.sigma) || moved <= f64::EPSILON {
                     continue;
                 }
-                let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-                let (a, b) = (mean(&self.own.read[part.clone()]), mean(model));
-                let (mut both, mut own) = (0.0, 0.0);
-                for (y, m) in self.own.read[part.clone()].iter().zip(model) {
-                    both += (y - a) * (m - b);
-                    own += (m - b).powi(2);
-                }
+                let slope = slope(&self.own.read[part.clone()], model);
                 let moves = spread(&self.own.read[part.clone()]);
-                let is_still =
-                    (both / own).abs() < SMALL && moves < FACTOR * SMALL * moved + CLEAR * self.sigma;
+                let is_still = slope.abs() < SMALL && moves < FACTOR * SMALL * moved + CLEAR * self.sigma;
                 // The priors may account for all of the variation: a current as the small difference of two voltages.
                 if is_still && moved > CERTAIN * (self.doubt)(&self.own.rows[part.clone()]) {
                     all.extend(part);
