@@ -130,10 +130,11 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     if saturated::set_aside(experiment, &fits.predicted, &fits.own()) {
         fits = again(experiment)?;
     }
-    if gaps::split(experiment, preset, &fits.fitted, deadline)? {
+    if gaps::split(experiment, preset, fits.own(), deadline)? {
         fits = again(experiment)?;
     }
-    while drifts::set_aside(experiment, preset, &fits.fitted, deadline)? {
+    let mut known = Vec::new();
+    while drifts::set_aside(experiment, preset, (&fits.fitted, &mut known), deadline)? {
         fits = again(experiment)?;
     }
     let own = fits.own();
@@ -376,14 +377,18 @@ fn start_elsewhere(experiment: &mut Experiment) -> Option<Unusable> {
     None
 }
 
-/// First readings of each thermometer of the motor in a run, above this temperature, K.
+/// First readings of each thermometer of the motor in a run, above this temperature, K: the nearest to it, because a motor at the ambient
+/// temperature may warm up from one row to the next.
 fn first_rises(experiment: &Experiment, run: &Run, zero: f64) -> Vec<(&'static str, f64)> {
-    /// Number of first readings. Derivation: the median of three tolerates one outlier.
+    /// Number of first readings. Derivation: of three, one may be an outlier.
     const FIRST: usize = 3;
     let inputs = experiment.inputs.len();
-    let first = |k: usize| median(run.table.columns[inputs + k].iter().copied().take(FIRST));
+    let first = |k: usize| {
+        let rises = run.table.columns[inputs + k].iter().take(FIRST).map(|x| x - zero);
+        rises.filter(|off| off.is_finite()).min_by(|a, b| a.abs().total_cmp(&b.abs()))
+    };
     let nodes = experiment.outputs.iter().enumerate().filter(|(_, c)| c.node().is_some());
-    nodes.map(|(k, c)| (c.column, first(k) - zero)).filter(|(_, off)| off.is_finite()).collect()
+    nodes.filter_map(|(k, c)| Some((c.column, first(k)?))).collect()
 }
 
 /// The ambient temperature at each row of a run, K; blank without such a column.

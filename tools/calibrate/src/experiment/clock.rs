@@ -8,12 +8,18 @@
 //!
 //! d is the change from row to row. Electrical and mechanical channels respond instantaneously. For the winding, the *rate* of
 //! temperature rise responds instantaneously to a change of its loss.
-//! *Assumes* approximately equidistant rows. A shift common to all channels is not detectable, nor is a shift in a run whose
+//! R^2 of n independent changes exceeds r by chance with a probability of about
+//!
+//! (1 - r)^((n - m) / 2),    n = (sum dy^2)^2 / sum dy^4                                             (2)
+//!
+//! where m is the number of inputs, and n is less than the number of rows if a few steps are most of the change. The longest section without a gap is used. *Assumes*
+//! approximately equidistant rows. A shift common to all channels is not detectable, nor is a shift in a run whose
 //! inputs are nearly constant.
 //! *Source*: cross-correlation of increments, Ljung, System Identification (2nd ed., 1999), ch. 6.1.
 
 use super::{Channel, Run};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Largest shift that is tested, rows. Numerical: longer shifts are found by the response of the model (`intake/clocks.rs`).
 const FAR: usize = 40;
@@ -36,9 +42,10 @@ const HEAT: [&str; 2] = ["current_A", "electrical_power_W"];
 /// The column that responds to this loss.
 const WINDING: &str = "winding_temperature_degC";
 
-/// Increase of R^2 from no shift to the best one. Derivation: by chance, the greatest R^2 of 81 shifts in the 80 inner rows of the
-/// shortest record exceeds 2 ln(81 / 1e-3) / 80 = 0.28 with a probability of 1e-3.
-const MORE: f64 = 0.3;
+/// Least increase of R^2 from no shift to the best one. Derivation: (2) for the 80 inner rows of the shortest record.
+const MORE: f64 = 0.25;
+/// Probability of a false warning of (2), for all shifts. Definition: one of a thousand channels.
+const CHANCE: f64 = 1e-3;
 /// Least shift of an instantaneous response, rows. Derivation: the columns of a row are read within one interval.
 const INSTANT: usize = 2;
 /// Least shift of the winding, rows. Derivation: its second difference spreads over two rows more.
@@ -92,10 +99,20 @@ fn overlaps(files: &[&Run]) -> Vec<String> {
     notes
 }
 
+/// The rows of a run between two gaps that are most, at most [`MOST_ROWS`].
+fn without_gap(run: &Run) -> Range<usize> {
+    let ends: Vec<usize> = run.table.gaps().map(|row| row + 1).chain([run.table.time.len()]).collect();
+    let begins = std::iter::once(0).chain(ends.iter().copied());
+    let parts = begins.zip(&ends).map(|(from, to)| from..*to);
+    let most = parts.max_by_key(|part| part.len()).unwrap_or(0..0);
+    most.start..most.end.min(most.start + MOST_ROWS)
+}
+
 /// A sentence if inputs of other rows explain the output best.
 fn shifted(run: &Run, inputs: &[&'static Channel], output: &Channel, column: &[f64]) -> Option<String> {
-    let time = &run.table.time;
-    let rows = time.len().min(MOST_ROWS);
+    let part = without_gap(run);
+    let (time, column) = (&run.table.time[part.clone()], &column[part.clone()]);
+    let rows = time.len();
     if rows < LEAST_ROWS {
         return None;
     }
@@ -112,12 +129,12 @@ fn shifted(run: &Run, inputs: &[&'static Channel], output: &Channel, column: &[f
         .map(|(channel, column)| {
             let squared = is_winding && channel.column == "current_A";
             let of = |x: &f64| if squared { x * x } else { *x };
-            changes(&column[..rows].iter().map(of).collect::<Vec<_>>())
+            changes(&column[part.clone()].iter().map(of).collect::<Vec<_>>())
         })
         .collect();
     // Inner rows only, so that every shift uses the same number of rows.
     let inner = FAR..rows - 1 - FAR;
-    let mut target = changes(&column[..rows]);
+    let mut target = changes(column);
     if is_winding {
         target = changes(&target);
         target.push(0.0);
@@ -136,7 +153,13 @@ fn shifted(run: &Run, inputs: &[&'static Channel], output: &Channel, column: &[f
         .filter(|(_, r)| r.is_finite())
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let near = (1 - least as isize..least as isize).map(explained).fold(0.0, f64::max);
-    let seen = shift.unsigned_abs() >= least && best >= near + MORE;
+    let [square, fourth] =
+        [2, 4].map(|power| target[inner.clone()].iter().map(|y| y.powi(power)).sum::<f64>());
+    let independent = square * square / fourth;
+    let by_chance = 1.0
+        - (CHANCE / (2 * FAR + 1) as f64)
+            .powf(2.0 / (independent - causes.len() as f64).max(f64::MIN_POSITIVE));
+    let seen = shift.unsigned_abs() >= least && best >= near + MORE.max(by_chance);
     seen.then(|| {
         let step = (time[rows - 1] - time[0]) / (rows - 1) as f64;
         let side = if shift > 0 { "after" } else { "before" };

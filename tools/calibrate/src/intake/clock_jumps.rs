@@ -2,10 +2,10 @@
 //!
 //! The simulation continues across a gap with the inputs between its two rows. A jump of the clock (summer time, a synchronisation) is a
 //! gap in which each temperature changes by less than [`SMALL`] of what the fitted model predicts, where that is more than [`FACTOR`] times the
-//! error of a thermometer.
+//! error of a thermometer. Where a load is switched to and fro beside the gap, these inputs are not those in the gap, and predict nothing.
 
-use super::signals::SENSOR_ERROR;
-use super::{Predicted, Unusable};
+use super::signals::{NEAR, SENSOR_ERROR};
+use super::{Predicted, Unusable, range};
 use crate::comparison::converted;
 use crate::experiment::{Experiment, Run};
 use crate::levels::{FACTOR, SMALL};
@@ -51,9 +51,20 @@ fn jump(
             meant,
         ))
     });
-    let all: Vec<_> = changes.collect();
+    let all: Vec<_> = changes.filter(|_| !alternates(experiment, run, row)).collect();
     let goes_on = all.iter().all(|(_, measured, meant)| measured.abs() < SMALL * meant.abs());
     all.into_iter().filter(|_| goes_on).max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))
+}
+
+/// Whether a load changes twice or more within [`NEAR`] rows on either side of a gap.
+fn alternates(experiment: &Experiment, run: &Run, row: usize) -> bool {
+    let loads =
+        experiment.inputs.iter().zip(&run.table.columns).filter(|(channel, _)| !channel.is_temperature());
+    loads.into_iter().any(|(_, column)| {
+        let least = SMALL * range(column.iter().copied());
+        let near = &column[(row + 1).saturating_sub(NEAR)..(row + 1 + NEAR).min(column.len())];
+        near.windows(2).filter(|pair| (pair[1] - pair[0]).abs() > least).count() > 1
+    })
 }
 
 #[cfg(test)]

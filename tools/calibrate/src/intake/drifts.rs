@@ -75,11 +75,12 @@ struct Drift {
 }
 
 /// Sets aside the thermometer that drifts, with a note; `fitted` are the predictions of each output's fit. One that drifts spoils the fits in
-/// which others seem to: it is the one without which the rest agrees best. Result: whether one was set aside, so that another may be seen.
+/// which others seem to: it is the one without which the rest agrees best. Two do not drift together: in the runs `known`, in which one does, no other one is
+/// looked for. Result: whether one was set aside, so that another may be seen.
 pub(super) fn set_aside(
     experiment: &mut Experiment,
     preset: &[(u32, f64)],
-    fitted: &[Predicted],
+    (fitted, known): (&[Predicted], &mut Vec<usize>),
     deadline: &Deadline,
 ) -> Result<bool, CalibrateError> {
     let thermometers: Vec<usize> =
@@ -90,8 +91,10 @@ pub(super) fn set_aside(
         let columns = &experiment.runs[*run].table.columns;
         thermometers.iter().any(|k| !signals::jumps(&columns[inputs + k]).is_empty())
     };
-    let (all, still): (Vec<usize>, Vec<usize>) =
-        (all_runs(experiment), all_runs(experiment).into_iter().filter(|run| !is_moved(run)).collect());
+    let (all, still): (Vec<usize>, Vec<usize>) = (
+        all_runs(experiment),
+        all_runs(experiment).into_iter().filter(|r| !is_moved(r) && !known.contains(r)).collect(),
+    );
     let drift = |output: usize, without: &[usize]| -> Result<Option<Drift>, CalibrateError> {
         if deadline.is_near() {
             return Ok(None);
@@ -126,6 +129,7 @@ pub(super) fn set_aside(
     };
     let column = experiment.outputs[output].column;
     for run in runs {
+        known.push(run);
         let run = &mut experiment.runs[run];
         run.table.columns[inputs + output].fill(f64::NAN);
         experiment.notes.push(format!("{}: {column} {WHY}; it is set aside in this run", run.file));

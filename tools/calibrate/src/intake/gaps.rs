@@ -1,9 +1,10 @@
 //! Gaps between rows in which something happened that the rows do not tell.
 //!
-//! e(after) - e(before) = d,   |d| > e_s   and   |d| > [`CERTAIN`] median |e'(t + g) - e'(t)|                     (1)
+//! e(after) - e(before) = d,   |d| > min(e_s, c s)   and   |d| > [`CERTAIN`] median |e'(t + g) - e'(t)|                     (1)
 //!
 //! e the deviation of a thermometer from the prediction of the fit, which goes on across the gap with the inputs as lines between its two
-//! rows; medians over a few readings; e_s the error of a thermometer that works; g the length of the gap; e' the deviation if the run ends
+//! rows; medians over a few readings; e_s the error of a thermometer that works; c s the
+//! structure error, c = [`STRUCTURE`] of the variation s of the readings; g the length of the gap; e' the deviation if the run ends
 //! at the gap and another one starts at the readings after it. A motor that was loaded or rested meanwhile is at another temperature than
 //! predicted, and spoils the fit, but with two runs the fit agrees again; the changes of e due to an effect that the model lacks are as
 //! great as before.
@@ -14,14 +15,15 @@
 
 use super::response::ENOUGH;
 use super::signals::{NEAR, SENSOR_ERROR};
-use super::{Predicted, all_runs, consistency, counted, median, predicted_by};
+use super::{Predicted, all_runs, consistency, counted, median, predicted_by, range};
 use crate::CalibrateError;
 use crate::comparison::converted;
 use crate::deadline::Deadline;
-use crate::experiment::{Experiment, Role, Run, Start};
-use crate::levels::CERTAIN;
+use crate::experiment::{Experiment, Role, Start};
+use crate::levels::{CERTAIN, STRUCTURE};
 
 /// A gap to end a run at.
+#[derive(Clone, Copy)]
 struct Break {
     run: usize,
     /// The last row before it.
@@ -29,79 +31,95 @@ struct Break {
     output: usize,
     /// d of (1), K.
     change: f64,
+    /// Its first and last time, s.
+    ends: (f64, f64),
 }
 
-/// Splits runs at gaps; `fitted` are the predictions of each output's fit. Result: whether there was one.
+/// Splits runs at gaps; `predicted` is the prediction of each output by its fit. Result: whether there was one.
 ///
 /// # Errors
 /// An experiment whose model cannot be set up.
 pub(super) fn split(
     experiment: &mut Experiment,
     preset: &[(u32, f64)],
-    fitted: &[Predicted],
+    mut predicted: Predicted,
     deadline: &Deadline,
 ) -> Result<bool, CalibrateError> {
-    let runs = (0..experiment.runs.len()).filter(|run| experiment.runs[*run].role != Role::Test);
-    let suspect: Vec<Break> = runs
-        .flat_map(|run| experiment.runs[run].table.gaps().map(move |row| (run, row)))
-        .filter_map(|(run, row)| across(experiment, fitted, run, row))
-        .collect();
     let mut is_split = false;
-    // From the last one on, so that the places of the others stay.
-    for Break { run, row, output, change } in suspect.into_iter().rev() {
+    // The gap with the greatest change first: it spoils the fit most, and where it is refuted, smaller ones are.
+    while let Some(found) = greatest(experiment, &predicted) {
         let mut apart = experiment.clone();
-        let after = rest(&mut apart.runs[run], row + 1);
-        if counted(&after).count() < ENOUGH {
-            continue;
-        }
-        let (from, to) = (experiment.runs[run].table.time[row], after.table.time[0]);
-        apart.runs.insert(run + 1, after);
+        let what = cut(&mut apart, found);
         let Some(fit) = consistency::fit(&apart, preset, deadline)? else { break };
         let shown = predicted_by(&apart, preset, &all_runs(&apart), &fit, deadline)?;
-        if change.abs() <= CERTAIN * usual(&apart, &shown, output, to - from) {
-            continue;
+        let (from, to) = found.ends;
+        if found.change.abs() <= CERTAIN * usual(&apart, &shown, found.output, to - from) {
+            break;
         }
-        let (file, column) = (&apart.runs[run].file, apart.outputs[output].column);
-        let kelvin = converted((10.0 * change).round() / 10.0);
+        let (file, column) = (&experiment.runs[found.run].file, experiment.outputs[found.output].column);
+        let kelvin = converted((10.0 * found.change).round() / 10.0);
         let gap = format!("no rows from {from} s to {to} s");
         let note = format!(
             "{file}: {gap}; {column} changes by {kelvin} K more across them than the model predicts, as if the load had changed in between; \
-             the run ends there, and another one starts at the readings after them"
+             {what}"
         );
         apart.notes.retain(|other| !(other.contains(file.as_str()) && other.contains(&gap)));
         apart.notes.push(note);
-        *experiment = apart;
+        (*experiment, predicted) = (apart, shown);
         is_split = true;
     }
     Ok(is_split)
 }
 
-/// Cuts a run before a row; the rest is a run that starts at its readings.
-fn rest(run: &mut Run, row: usize) -> Run {
-    let mut after = run.clone();
+/// Ends a run at a gap, and begins another one after it; what is too short for a run of its own is left out. Result: this in words.
+fn cut(experiment: &mut Experiment, Break { run, row, .. }: Break) -> String {
+    let own = &mut experiment.runs[run];
+    let mut after = own.clone();
     after.start = Start::Measured;
-    after.table.time.drain(..row);
-    after.table.columns.iter_mut().for_each(|column| drop(column.drain(..row)));
-    run.table.time.truncate(row);
-    run.table.columns.iter_mut().for_each(|column| column.truncate(row));
-    after
+    after.table.time.drain(..=row);
+    after.table.columns.iter_mut().for_each(|column| drop(column.drain(..=row)));
+    let mut before = own.clone();
+    before.table.time.truncate(row + 1);
+    before.table.columns.iter_mut().for_each(|column| column.truncate(row + 1));
+    let [first, last] = [&before, &after].map(|part| counted(part).count());
+    if last < ENOUGH && first >= last {
+        *own = before;
+        format!("the {last} readings after them are set aside")
+    } else if first < ENOUGH {
+        *own = after;
+        format!(
+            "the {first} readings before them are set aside, and the run starts at the readings after them"
+        )
+    } else {
+        *own = before;
+        experiment.runs.insert(run + 1, after);
+        "the run ends there, and another one starts at the readings after them".to_string()
+    }
 }
 
-/// The greatest change of a thermometer across a gap that leaves enough rows on both sides, if a thermometer that works has no such error.
-fn across(experiment: &Experiment, fitted: &[Predicted], run: usize, row: usize) -> Option<Break> {
-    let own = &experiment.runs[run];
-    let before = counted(own).filter(|k| *k <= row).count();
-    if before.min(counted(own).count() - before) < ENOUGH {
-        return None;
-    }
+/// The greatest change across a gap, if it matters: more than the error of a thermometer, or than the structure error of
+/// a model of these readings.
+fn greatest(experiment: &Experiment, predicted: &Predicted) -> Option<Break> {
+    let runs = (0..experiment.runs.len()).filter(|run| experiment.runs[*run].role != Role::Test);
     let is_node = |output: &usize| experiment.outputs[*output].node().is_some();
-    let nodes = (0..experiment.outputs.len()).filter(is_node).map(|output| {
-        let off = deviation(experiment, &fitted[output], output, run);
-        Break { run, row, output, change: step(&off, row, row + 1) }
+    let nodes: Vec<usize> = (0..experiment.outputs.len()).filter(is_node).collect();
+    let all = runs.flat_map(|run| {
+        let own = &experiment.runs[run];
+        let gaps = own.table.gaps().map(|row| (row, (own.table.time[row], own.table.time[row + 1])));
+        let gaps: Vec<_> = gaps.filter(|(row, _)| *row + 1 < own.table.time.len()).collect();
+        let of = |output: &usize| {
+            let off = deviation(experiment, predicted, *output, run);
+            let readings = &own.table.columns[experiment.inputs.len() + output];
+            let least = SENSOR_ERROR.min(STRUCTURE * range(readings.iter().copied()));
+            let breaks = gaps.iter().map(|(row, ends)| {
+                let change = step(&off, *row, *row + 1);
+                Break { run, row: *row, output: *output, change, ends: *ends }
+            });
+            breaks.filter(|found| found.change.abs() > least).collect::<Vec<_>>()
+        };
+        nodes.iter().flat_map(of).collect::<Vec<_>>()
     });
-    nodes
-        .filter(|found| found.change.abs() > SENSOR_ERROR)
-        .max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
+    all.max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
 }
 
 /// What is usual of the changes of a deviation within some seconds, in all runs.
@@ -164,7 +182,7 @@ mod tests {
     /// Rows that are missing while the inputs are as before and after.
     #[test]
     fn a_run_goes_on_across_a_gap_in_which_nothing_happened() {
-        for (from, to) in [(230, 262), (1000, 1040)] {
+        for (from, to) in [(230, 262), (1000, 1030)] {
             let held = with_inputs(6, |columns| {
                 for column in columns.iter_mut() {
                     let value = column[from - 1];

@@ -16,8 +16,8 @@
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
 use super::signals::{NEAR, WIDEST};
-use super::steps::{Load, Steps, UNPREDICTED};
-use super::{FAR, Predicted, ambient, departures, median, range, sorted};
+use super::steps::{Record, Steps, UNPREDICTED};
+use super::{FAR, Predicted, ambient, departures, median, sorted};
 use crate::experiment::{Channel, Experiment};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
@@ -99,6 +99,8 @@ struct Failure {
     bad: Vec<bool>,
     /// Those that repeat exactly or jump as no temperature does.
     proven: Vec<usize>,
+    /// Whether the sensor has moved: its other readings are right.
+    is_moved: bool,
     why: &'static str,
     sigma: f64,
     /// With the best prediction that there is.
@@ -115,10 +117,6 @@ pub fn set_aside(
     deviations: impl FnOnce() -> Predicted,
 ) {
     let deviations = LazyCell::new(deviations);
-    let ranges: Vec<(usize, f64)> = (0..experiment.inputs.len())
-        .filter(|k| !experiment.inputs[*k].is_temperature())
-        .map(|k| (k, range(experiment.runs.iter().flat_map(|r| r.table.columns[k].iter().copied()))))
-        .collect();
     let mut failures: Vec<Failure> = Vec::new();
     // Deviation of a channel, by row of a run, from the prediction of an output's fit.
     let off = |of: usize, output: usize, run: usize| -> Vec<f64> {
@@ -141,6 +139,7 @@ pub fn set_aside(
         let is_sure = is_predicted && channel.is_temperature();
         let own = |run: usize| off(output, output, run);
         let own: Vec<Vec<f64>> = (0..experiment.runs.len()).map(own).collect();
+        let record = Record::new(experiment, &own);
         let gone = if is_sure { departures::of(experiment, output, &own) } else { Vec::new() };
         let usual = median(own.iter().flatten().map(|off| off.abs()).filter(|off| off.is_finite()));
         for (run, own) in pairs.into_iter().enumerate() {
@@ -156,8 +155,6 @@ pub fn set_aside(
                 let of = |row: &usize| deviations[run].get(output).map_or(0.0, |all| all[*row].powi(2));
                 (rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64).sqrt()
             };
-            let loads: Vec<Load> =
-                ranges.iter().map(|(k, range)| Load { values: &table.columns[*k], range: *range }).collect();
             let judge = Judge {
                 channel,
                 own: &own,
@@ -165,7 +162,8 @@ pub fn set_aside(
                 column: &column,
                 sigma,
                 moves,
-                loads: &loads,
+                record: &record,
+                run,
                 doubt: &doubt,
             };
             let of_fit = pair(experiment, &fitted[output][run], run, output);
@@ -200,10 +198,13 @@ pub fn set_aside(
                 }
             }
             let Some((bad, why)) = failed else { continue };
-            let jumped = judge.jumped().into_iter().chain(stepped);
+            let jumped: Vec<usize> = judge.jumped().into_iter().chain(stepped).collect();
+            let mut rest = bad.clone();
+            jumped.iter().for_each(|k| rest[*k] = false);
+            let is_moved = !rest.contains(&true);
             let proven = judge.repeated().into_iter().chain(jumped).filter(|k| bad[*k]).collect();
             let own = if is_sure && is_fitted { of_fit } else { own };
-            failures.push(Failure { output, run, bad, proven, why, sigma, own });
+            failures.push(Failure { output, run, bad, proven, is_moved, why, sigma, own });
         }
     }
     // Two thermometers do not fail together: what both read is the heat, and the prediction is wrong.
@@ -223,7 +224,8 @@ pub fn set_aside(
             bad.into_iter().for_each(|k| failure.bad[k] = false);
         }
     }
-    failures.retain(|f| f.bad.iter().filter(|bad| **bad).count() >= LEAST_ROWS);
+    let least = |f: &Failure| if f.is_moved { WIDEST } else { LEAST_ROWS };
+    failures.retain(|f| f.bad.iter().filter(|bad| **bad).count() >= least(f));
     let mut notes: Vec<String> = Vec::new();
     for k in 0..failures.len() {
         let note = blank(experiment, &failures, k);
@@ -236,7 +238,7 @@ pub fn set_aside(
 
 /// Sets aside the readings of a failure, widened to all that deviate unusually; returns the note.
 fn blank(experiment: &mut Experiment, failures: &[Failure], k: usize) -> String {
-    let Failure { output, run, bad, why, sigma, own, .. } = &failures[k];
+    let Failure { output, run, bad, is_moved, why, sigma, own, .. } = &failures[k];
     let channel = experiment.outputs[*output];
     let first = experiment.inputs.len() + output;
     let deviation: Vec<f64> = own.read.iter().zip(&own.model).map(|(y, m)| y - m).collect();
@@ -254,7 +256,8 @@ fn blank(experiment: &mut Experiment, failures: &[Failure], k: usize) -> String 
     let count = bad.iter().filter(|bad| **bad).count();
     let run = &mut experiment.runs[*run];
     let column = &mut run.table.columns[first];
-    if count as f64 > WHOLE * own.rows.len() as f64 {
+    let most = if *is_moved { own.rows.len() - LEAST_ROWS } else { (WHOLE * own.rows.len() as f64) as usize };
+    if count > most {
         column.fill(f64::NAN);
         return format!("{}: {} {why}; it is set aside in this run", run.file, channel.column);
     }
@@ -292,8 +295,8 @@ struct Judge<'a> {
     column: &'a [f64],
     sigma: f64,
     moves: f64,
-    /// Inputs of the run that are no temperatures.
-    loads: &'a [Load<'a>],
+    record: &'a Record<'a>,
+    run: usize,
     /// Standard deviation of the prediction due to the priors, over some rows.
     doubt: &'a dyn Fn(&[usize]) -> f64,
 }
@@ -344,10 +347,22 @@ impl Judge<'_> {
         stretches.iter().filter(|s| long(s)).flat_map(|(a, b)| *a..=*b).collect()
     }
 
+    /// Deviation from the prediction.
+    fn off(&self) -> Vec<f64> {
+        self.own.read.iter().zip(&self.own.model).map(|(y, p)| y - p).collect()
+    }
+
+    fn steps<'b>(&'b self, off: &'b [f64]) -> Steps<'b> {
+        Steps { run: self.run, off, time: self.time, rows: &self.own.rows, record: self.record }
+    }
+
     /// Sections between jumps that deviate far more from the prediction than the best one. If there is none, all but one section
     /// between jumps that the model does not predict: a sensor that has moved reads differently before and after.
     fn jumped(&self) -> Vec<usize> {
-        let jumps = super::signals::jumps(self.column);
+        let deviation = self.off();
+        let steps = self.steps(&deviation);
+        let mut jumps = super::signals::jumps(self.column);
+        jumps.retain(|k| steps.is_sudden(*k, deviation[*k] - deviation[*k - 1]));
         if jumps.is_empty() {
             return self.moved().0;
         }
@@ -371,8 +386,8 @@ impl Judge<'_> {
         if !self.channel.is_temperature() {
             return (Vec::new(), false);
         }
-        let off: Vec<f64> = self.own.read.iter().zip(&self.own.model).map(|(y, p)| y - p).collect();
-        let steps = Steps { off: &off, time: self.time, rows: &self.own.rows, loads: self.loads };
+        let off = self.off();
+        let steps = self.steps(&off);
         let mut jumps = super::signals::jumps(self.column);
         jumps.extend(super::signals::small_jumps(&off, self.column));
         jumps.sort_unstable();

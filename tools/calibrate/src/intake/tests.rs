@@ -291,8 +291,7 @@ fn readings_of_a_sensor_that_has_moved_are_set_aside() {
             moved.runs[0].table.columns[k][rows].iter().filter(|x| x.is_nan()).count()
         };
         let (before, after) = (blank(k, 0..from), blank(k, from..1200));
-        let kept = if from > 600 { before < 20 } else { before == from };
-        assert!(kept && after == 1200 - from, "{k} from {from}: {before} {after} {:?}", moved.notes);
+        assert!(before < 20 && after == 1200 - from, "{k} from {from}: {before} {after} {:?}", moved.notes);
         assert_eq!(blank(WINDING + HOUSING - k, 0..1200), 0, "{:?}", moved.notes);
     }
 }
