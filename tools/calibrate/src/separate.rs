@@ -195,7 +195,7 @@ mod tests {
     /// Drags that grow with the root and with the square of the speed are equal at the one speed of the run: a run at another speed
     /// distinguishes them by the shaft torque.
     #[test]
-    fn another_speed_tells_drags_apart() {
+    fn another_speed_distinguishes_drags() {
         let experiment = testing::experiment("", false);
         let setup = Setup::new(&experiment, &[]).unwrap();
         let (one, other) =
