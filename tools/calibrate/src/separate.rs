@@ -62,6 +62,9 @@ pub fn separate(setup: &Setup, one: &Hypothesis, other: &Hypothesis, names: [&st
 
 /// Three significant digits; whole numbers keep all of theirs.
 fn rounded(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
     let digits = 2 - value.abs().log10().floor().clamp(-6.0, 2.0) as i32;
     format!("{value:.*}", digits as usize)
 }
@@ -212,6 +215,14 @@ mod tests {
         assert!(sentence.contains("speed_rad_per_s = 200"), "{sentence}");
         // Friction power becomes heat: a temperature read to a thousandth distinguishes better than the torque.
         assert!(sentence.contains("measure winding_temperature_degC;"), "{sentence}");
+    }
+
+    #[test]
+    fn numbers_have_three_digits() {
+        assert_eq!(
+            [0.0, 0.0012345, 20.978, 764.16, 1234.5].map(rounded),
+            ["0", "0.00123", "21.0", "764", "1234"]
+        );
     }
 
     /// The offset of a winding sensor without readings changes only that sensor's output.
