@@ -118,15 +118,24 @@ def study(folder: Path) -> dict:
     }
 
 
+# Meaning of the size of an effect, by its id.
+MEANINGS = {
+    "winding_sensor_stem_loss": "fraction of the rise over ambient that is not indicated",
+    "housing_sensor_stem_loss": "fraction of the rise over ambient that is not indicated",
+}
+
+
 def effect_words(effect: dict) -> str:
-    """An effect with its numbers, its runs, and what would do as well."""
+    """An effect with its numbers, its runs, the alternatives and the experiment that distinguishes them."""
     unit = lambda name: "" if effect["units"][name] in (None, "", "1") else f" {effect['units'][name]}"  # noqa: E731
     numbers = ", ".join(f"{name} = {value:g}{unit(name)}" for name, value in effect["parameters"].items())
+    if effect["id"] in MEANINGS:
+        numbers += f", {MEANINGS[effect['id']]}"
     words = f"- `{effect['id']}` at the {effect['port'].replace('_', ' ')} ({numbers}) in {', '.join(effect['runs'])}"
     if effect["alternatives"]:
         words += f"; not distinguished from {', '.join(f'`{name}`' for name in effect['alternatives'])}"
     if effect["separating_experiment"]:
-        words += f". Separating experiment: {effect['separating_experiment'].rstrip('.')}"
+        words += f". Experiment that distinguishes them: {effect['separating_experiment'].rstrip('.')}"
     return "\n".join(textwrap.wrap(words + ".", 128, subsequent_indent="  ", break_on_hyphens=False))
 
 
@@ -151,7 +160,7 @@ def calibrated_words(answer: dict) -> str:
     return f"""Runs 1, 3 and 5 were measured in still air. Runs 1 and 3 are fitted, run 5 is the validation run; the table shows the errors
         of run 5. Runs 3 and 5, which have about the same electrical power, differ from their mean by {repeats["winding"]:.1f} K (winding)
         and {repeats["body"]:.2f} K (body). The noise of the thermocouples is only 0.02 K; no noise is set in the experiment, and `motor-fmu close-loop` estimates
-        what the runs disagree by. It {left}. According
+        the disagreement between the runs. It {left}. According
         to the fit, the temperature rise that the thermocouple of the winding indicates is {more} % {reads} than that of the mean copper
         temperature."""
 

@@ -20,6 +20,16 @@ REFUSED_GOOD = "good data refused"
 NO_REPORT = "no report"
 OUTCOMES = (RIGHT, STRUCTURE, BELOW, CLASS_WITH, PORT_ONLY, WRONG_PORT, WRONG_NAME, UNEXPLAINED, MISSED, FALSE_ALARM)
 OUTCOMES += (TRACED, OTHER_CHANNEL, UNNOTICED, REFUSED_GOOD, NO_REPORT)
+# Names of outcomes on the page; the stored tables keep the names above.
+TITLES = {
+    RIGHT: "correct",
+    STRUCTURE: "real difference",
+    CLASS_WITH: "in a class with the true effect",
+    UNEXPLAINED: "law instead of or besides the effect",
+    TRACED: "mistake reported as an effect",
+    OTHER_CHANNEL: "mistake recognised in another channel",
+    UNNOTICED: "mistake not recognised",
+}
 FINE = (RIGHT, STRUCTURE, BELOW, CLASS_WITH)
 NULL, LISTED, MISTAKE = "null", "listed", "mistake"
 RANDOM = ("function", "product", "hidden")
@@ -28,6 +38,11 @@ GENERIC = "generic_term"
 VERDICTS = ("named", "class", "unexplained", "nothing", "unusable")
 LOW = 0.5  # structure error, in standard deviations of the sensors, up to which a parameter has a true value
 SPECIMEN, BEST = "specimen", "best two-node model"  # whose parameters are the true ones, in tables before and now
+
+
+def title(outcome: str) -> str:
+    """Name of an outcome on the page."""
+    return TITLES.get(outcome, outcome)
 
 
 @dataclass
@@ -94,7 +109,7 @@ class Judged:
         signal = "" if self.signal is None else f", effect {self.signal:.3g} sigma"
         errors = f"; test error / floor: {ratios}" if ratios else ""
         true = f"{self.truth} (structure error {self.structure:.2g} sigma{signal})"
-        return f"{self.name}: {self.outcome}: {true}; reported {self.said}{errors}"
+        return f"{self.name}: {title(self.outcome)}: {true}; reported {self.said}{errors}"
 
 
 def said_in(report: dict) -> Said:

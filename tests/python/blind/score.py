@@ -1,9 +1,8 @@
 """Rates with binomial intervals, compared with the criteria: `python -m blind.score SETS [--tables DIR --page FILE]`,
 in `tests/python`.
 
-A criterion is met only if the 95 % interval (Clopper and Pearson, Biometrika 26, 1934) ends on the right side of its
-bound. Exit code 1 if one is
-not. With `--tables` the table of this seed is stored beside those of all seeds before, and the page is made of all of
+A rate meets its criterion if it is on the right side of the limit and its 95 % interval (Clopper and Pearson,
+Biometrika 26, 1934) does not cross the bound. Exit code 1 if a criterion is not met. With `--tables` the table of this seed is stored beside those of all seeds before, and the page is made of all of
 them.
 """
 
@@ -170,7 +169,7 @@ def criteria(sets: list) -> list:
         ),
         Rate("mistakes in the data handled", count(mistakes, j.RIGHT), len(mistakes), least=0.95, bound=0.90),
         Rate(
-            "mistakes in the data traced to an effect", count(mistakes, j.TRACED), len(mistakes), most=0.02, bound=0.04
+            "mistakes in the data reported as an effect", count(mistakes, j.TRACED), len(mistakes), most=0.02, bound=0.04
         ),
         Rate(
             "good data refused, or no report",
@@ -201,7 +200,7 @@ def information(sets: list) -> list:
             "listed effects named or in a class with the true one", count(visible, j.RIGHT, j.CLASS_WITH), len(visible)
         ),
         Rate(
-            "any name, law or alarm on sets without an effect",
+            "sets without an effect: reports with an effect or law, real differences (column 'real difference') included",
             sum(s.said != "nothing" for s in groups[j.NULL]),
             len(groups[j.NULL]),
         ),
@@ -221,9 +220,9 @@ def information(sets: list) -> list:
         some = [s for s in sets if low <= s.structure < high and s.kind not in (j.MISTAKE,)]
         rows.append(
             Rate(
-                f"right, structure error {low:g} to {high:g} sigma"
+                f"no wrong or missing result, structure error {low:g} to {high:g} sigma"
                 if high < 99
-                else f"right, structure error above {low:g} sigma",
+                else f"no wrong or missing result, structure error above {low:g} sigma",
                 count(some, *j.FINE),
                 len(some),
             )

@@ -18,6 +18,7 @@ const LEVELS: [f64; 3] = [0.0, 0.5, 1.0];
 /// Output that would differ.
 struct Reading {
     name: &'static str,
+    unit: &'static str,
     slot: Slot,
     /// Standard deviation of its noise.
     noise: Option<f64>,
@@ -41,7 +42,9 @@ pub fn separate(setup: &Setup, one: &Hypothesis, other: &Hypothesis, names: [&st
     let readings = readings(setup);
     let mut best: Option<Difference> = None;
     let mut consider = |what: &str, drive: &Drive, run: usize, new: bool| {
-        let Some(found) = compare(setup, one, other, drive, run, &readings, what, new) else { return };
+        let Some(found) = compare(setup, [one, other], names, drive, run, &readings, what, new) else {
+            return;
+        };
         if best.as_ref().is_none_or(|b| found.levels > CLEARER * b.levels) {
             best = Some(found);
         }
@@ -49,14 +52,21 @@ pub fn separate(setup: &Setup, one: &Hypothesis, other: &Hypothesis, names: [&st
     let last = active_run(setup, one, other);
     for run in 0..setup.experiment.runs.len() {
         let file = &setup.experiment.runs[run].file;
-        consider(&format!("in {file} as it was run"), &setup.drives[run], run, false);
+        consider(&format!("repeat {file} and"), &setup.drives[run], run, false);
     }
     for (what, drive) in designs(setup) {
         consider(&what, &drive, last, true);
     }
-    let best = best?;
-    let [a, b] = names;
-    Some(format!("{} between {a} and {b}", best.sentence))
+    best.map(|found| found.sentence)
+}
+
+/// Three significant digits; whole numbers keep all of theirs.
+fn rounded(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = 2 - value.abs().log10().floor().clamp(-6.0, 2.0) as i32;
+    format!("{value:.*}", digits as usize)
 }
 
 /// A run in which the additions of the models act.
@@ -73,10 +83,11 @@ fn readings(setup: &Setup) -> Vec<Reading> {
     let channels = CHANNELS.iter().filter(|c| c.is_usual && !driven(c)).filter_map(|c| {
         let slot = declaration.by_name(c.output?)?.slot;
         let noise = measured(c).map(|output| setup.sigma(output));
-        Some(Reading { name: c.column, slot, noise, is_temperature: c.is_temperature() })
+        Some(Reading { name: c.column, unit: c.unit.name(), slot, noise, is_temperature: c.is_temperature() })
     });
     let resistance = declaration.by_name("winding_resistance").map(|entry| Reading {
         name: "winding_resistance (at a short pause)",
+        unit: entry.row.unit.name(),
         slot: entry.slot,
         noise: None,
         is_temperature: false,
@@ -103,10 +114,10 @@ fn designs(setup: &Setup) -> Vec<(String, Drive)> {
             let level = LEVELS[counter[place]] * most[*k];
             columns[*k][1..rows / 2].fill(level);
             columns[*k][rows / 2..].fill(0.0);
-            what.push(format!("{} = {level:.3}", inputs[*k].column));
+            what.push(format!("{} = {}", inputs[*k].column, rounded(level)));
         }
         all.push((
-            format!("in a further run with {} for a quarter of an hour, then at rest", what.join(", ")),
+            format!("make a run with {} for a quarter of an hour, then at rest, and", what.join(", ")),
             Drive::of(time, columns),
         ));
         let mut place = 0;
@@ -124,8 +135,8 @@ fn designs(setup: &Setup) -> Vec<(String, Drive)> {
 #[allow(clippy::too_many_arguments)] // two models, a run and what is read of it
 fn compare(
     setup: &Setup,
-    one: &Hypothesis,
-    other: &Hypothesis,
+    [one, other]: [&Hypothesis; 2],
+    [a_name, b_name]: [&str; 2],
     drive: &Drive,
     run: usize,
     readings: &[Reading],
@@ -154,19 +165,20 @@ fn compare(
         let size =
             if reading.is_temperature { span } else { a[k].iter().fold(0.0f64, |m, x| m.max(x.abs())) };
         let (levels, unit) = match reading.noise {
-            Some(noise) => (apart.abs() / noise, "standard deviations of its noise"),
+            Some(noise) => (apart.abs() / noise, "standard deviations of the noise"),
             None => {
-                let of = if reading.is_temperature { "% of its range" } else { "% of its greatest value" };
+                let of = if reading.is_temperature { "% of the range" } else { "% of the largest value" };
                 (100.0 * apart.abs() / size.max(LEAST), of)
             }
         };
         // An output that is nearly constant cannot distinguish models by hundredths of its value.
         (levels.is_finite() && apart.abs() > LEAST).then(|| Difference {
             sentence: format!(
-                "{what}, {} would differ by {:.3} ({levels:.0} {unit}) after {:.0} s",
+                "{what} measure {}; after {:.0} s the predictions with {a_name} and {b_name} differ by {} {} ({levels:.0} {unit})",
                 reading.name,
-                apart.abs(),
                 drive.time[row] - drive.time[0],
+                rounded(apart.abs()),
+                reading.unit,
             ),
             levels,
         })
@@ -186,7 +198,7 @@ mod tests {
     /// Drags that grow with the root and with the square of the speed are equal at the one speed of the run: a run at another speed
     /// distinguishes them by the shaft torque.
     #[test]
-    fn another_speed_tells_drags_apart() {
+    fn another_speed_distinguishes_drags() {
         let experiment = testing::experiment("", false);
         let setup = Setup::new(&experiment, &[]).unwrap();
         let (one, other) =
@@ -197,12 +209,20 @@ mod tests {
         assert!(apart < 1e-4, "{apart}");
         let sentence = separate(&setup, &one, &other, ["iron_loss", "windage"]).unwrap();
         assert!(
-            sentence.starts_with("in a further run with")
-                && sentence.ends_with("between iron_loss and windage")
+            sentence.starts_with("make a run with")
+                && sentence.contains("the predictions with iron_loss and windage differ by")
         );
         assert!(sentence.contains("speed_rad_per_s = 200"), "{sentence}");
         // Friction power becomes heat: a temperature read to a thousandth distinguishes better than the torque.
-        assert!(sentence.contains("winding_temperature_degC would differ"), "{sentence}");
+        assert!(sentence.contains("measure winding_temperature_degC;"), "{sentence}");
+    }
+
+    #[test]
+    fn numbers_have_three_digits() {
+        assert_eq!(
+            [0.0, 0.0012345, 20.978, 764.16, 1234.5].map(rounded),
+            ["0", "0.00123", "21.0", "764", "1234"]
+        );
     }
 
     /// The offset of a winding sensor without readings changes only that sensor's output.
@@ -216,7 +236,10 @@ mod tests {
         let (one, other) =
             (with(&setup, "winding_sensor_offset", 0.0), with(&setup, "winding_sensor_offset", 3.0));
         let sentence = separate(&setup, &one, &other, ["none", "offset"]).unwrap();
-        assert!(sentence.contains("winding_temperature_degC would differ by 3.000"), "{sentence}");
+        assert!(
+            sentence.contains("measure winding_temperature_degC;") && sentence.contains("differ by 3.00 K"),
+            "{sentence}"
+        );
         assert!(separate(&setup, &one, &one, ["a", "b"]).is_none());
     }
 }

@@ -45,8 +45,8 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     let (white, raw) = candidate.delta;
     if candidate.sure() <= asked {
         let sentence = format!(
-            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {asked} is asked for, because \
-             the errors of any model explain less"
+            "lowers BIC by {raw:.1} for white noise and by {white:.1} for autocorrelated noise; more than {asked} is required, because \
+             the structure error of a model can explain less"
         );
         return Ok(Judged::refused(sentence));
     }

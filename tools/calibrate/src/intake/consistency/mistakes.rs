@@ -204,34 +204,36 @@ impl Mistake {
                 let (first, all) = names(columns);
                 (
                     first,
-                    format!("{all} in {files} contradict the model, which {words} would agree with"),
+                    format!("{all} in {files} {} the model; {words} would agree", contradict(columns)),
                     format!("check unit and sign of {all}; [columns] states the unit of a column"),
                 )
             }
             Mistake::Swap(a, b) => {
                 let (a, b) = (name(*a), name(*b));
                 let reason = format!(
-                    "{a} and {b} in {files} contradict the model, which the two columns exchanged would agree with"
+                    "{a} and {b} in {files} contradict the model; with the two columns exchanged they would agree"
                 );
                 (a.clone(), reason, format!("exchange the columns {a} and {b}"))
             }
             Mistake::Rise(columns) => {
                 let (first, all) = names(columns);
                 let reason = format!(
-                    "{all} in {files} contradict the model, which rises over ambient would agree with"
+                    "{all} in {files} {} the model; as temperature rises over ambient the readings would agree",
+                    contradict(columns)
                 );
                 (first, reason, format!("add the ambient temperature to {all}"))
             }
             Mistake::Reversed(columns) => {
                 let (first, all) = names(columns);
                 let reason = format!(
-                    "{all} in {files} contradict the model, which rises over ambient with the opposite sign would agree with"
+                    "{all} in {files} {} the model; with the opposite sign of the rise over ambient the readings would agree",
+                    contradict(columns)
                 );
                 (first, reason, format!("exchange the wires of the thermocouple of {all}"))
             }
             Mistake::Heated(k) => {
                 let reason = format!(
-                    "{} in {files} rises with the motor and contradicts the model, which the first reading of each run would agree with",
+                    "{} in {files} rises with the motor and contradicts the model; the first reading of each run, held constant, would agree",
                     name(*k)
                 );
                 let suggestion = "measure the ambient temperature where the motor does not heat the sensor";
@@ -247,36 +249,33 @@ impl Mistake {
             }
             Mistake::Magnitude(k) => {
                 let reason = format!(
-                    "{} in {files} is never negative and contradicts the model, which the same magnitude with both signs would agree with",
+                    "{} in {files} is never negative and contradicts the model; the same magnitude with both signs would agree",
                     name(*k)
                 );
                 (name(*k), reason, format!("record {} with its sign", name(*k)))
             }
             Mistake::Slow(k, tau) => {
                 let reason = format!(
-                    "{} in {files} contradicts the model, which it would agree with if it had passed a first-order lag of about {tau:.1} s",
+                    "{} in {files} contradicts the model; without a first-order lag of about {tau:.1} s (averaging) it would agree",
                     name(*k)
                 );
                 (name(*k), reason, format!("record {} without averaging", name(*k)))
             }
             Mistake::Coupled(k, tau) => {
                 let reason = format!(
-                    "{} in {files} contradicts the model, which it would agree with if a high-pass filter (AC coupling) of about {tau:.1} s had \
-                     removed its mean",
+                    "{} in {files} contradicts the model; without a high-pass filter (AC coupling) of about {tau:.1} s it would agree",
                     name(*k)
                 );
                 (name(*k), reason, format!("record {} with DC coupling", name(*k)))
             }
             Mistake::Time(factor, None) => {
                 let reason = format!(
-                    "time_s in {files} contradicts the model and the other runs, which times multiplied by {factor:.3} would agree with"
+                    "time_s in {files} contradicts the model and the other runs; times multiplied by {factor:.3} would agree"
                 );
                 ("time_s".to_string(), reason, "check the sampling interval of the file".to_string())
             }
             Mistake::Time(_, Some(unit)) => {
-                let reason = format!(
-                    "time_s in {files} contradicts the model, which times in {unit} would agree with"
-                );
+                let reason = format!("time_s in {files} contradicts the model; times in {unit} would agree");
                 (
                     "time_s".to_string(),
                     reason,
@@ -287,6 +286,10 @@ impl Mistake {
             }
         }
     }
+}
+
+fn contradict(columns: &[usize]) -> &'static str {
+    if columns.len() == 1 { "contradicts" } else { "contradict" }
 }
 
 fn channels(experiment: &Experiment) -> Vec<&'static Channel> {

@@ -156,9 +156,9 @@ fn another_interval_in_one_file_is_unusable() {
 #[test]
 fn a_wrong_unit_of_one_file_is_named_as_one() {
     for (run, k, factor, words) in [
-        (1, SPEED, 30.0 / PI, "speed_rad_per_s in run-2.csv contradict the model, which readings in rpm"),
-        (0, SPEED, 180.0 / PI, "speed_rad_per_s in run.csv contradict the model, which readings in deg/s"),
-        (2, TORQUE, 1e3, "shaft_torque_Nm in run-3.csv contradict the model, which readings in mN.m"),
+        (1, SPEED, 30.0 / PI, "speed_rad_per_s in run-2.csv contradicts the model; readings in rpm"),
+        (0, SPEED, 180.0 / PI, "speed_rad_per_s in run.csv contradicts the model; readings in deg/s"),
+        (2, TORQUE, 1e3, "shaft_torque_Nm in run-3.csv contradicts the model; readings in mN.m"),
     ] {
         let mut wrong = three();
         wrong.runs[run].table.columns[k].iter_mut().for_each(|x| *x *= factor);

@@ -42,8 +42,8 @@ const MISTAKES: [(&str, Recorded); 6] = [
     ("degF", |t, _| 1.8 * (t - CELSIUS) + 32.0 + CELSIUS),
     ("K", |t, _| t + CELSIUS),
     ("opposite sign", |t, _| 2.0 * CELSIUS - t),
-    ("rises over ambient would", |t, ambient| t - ambient + CELSIUS),
-    ("rises over ambient with the opposite sign", |t, ambient| 2.0 * ambient - t),
+    ("as temperature rises over ambient the readings", |t, ambient| t - ambient + CELSIUS),
+    ("opposite sign of the rise over ambient", |t, ambient| 2.0 * ambient - t),
     ("Pt100", |t, _| 100.0 + 0.385 * (t - CELSIUS) + CELSIUS),
 ];
 
