@@ -228,3 +228,13 @@ def test_motors_are_varied_at_constant_inputs(motor_fmu):
     done = motor_fmu("sweep", "--vary", "preset=maxon-305015,maxon-re40-148877", "--json")
     assert done.returncode == 0, done.stderr
     assert [point["values"] for point in json.loads(done.stdout)["points"]] == [["maxon-305015"], ["maxon-re40-148877"]]
+
+
+def test_a_temperature_in_degc_is_suspected_wherever_a_value_is_set(motor_fmu, simulate, archive_paths, tmp_path):
+    for name in ("initial.winding_temperature", "ambient_temperature"):
+        words = (f"{name} = 25 K is outside", "25 degC is within them")
+        one_sentence(simulate("--set", f"{name}=25"), CANNOT, *words)
+        one_sentence(motor_fmu("steady", "--set", f"{name}=25"), CANNOT, *words)
+        one_sentence(motor_fmu("sweep", "--vary", f"{name}=25,26"), CANNOT, *words)
+        (tmp_path / "s.toml").write_text(f'[system]\nname = "s"\n[[component]]\nname = "m"\nfmu = "{archive_paths[2]}"\n[component.set]\n"{name}" = 25\n')
+        one_sentence(motor_fmu("cosim", "s.toml"), CANNOT, *words)
