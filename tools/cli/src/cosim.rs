@@ -125,7 +125,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         stop: args.stop,
         step: args.step,
         tolerance: args.tolerance,
-        sets: args.shown.sets_of_system(args.sets, &system),
+        sets: args.sets,
         input: args.input,
         display_units: args.shown.has_display_units(),
         algorithm: args.algorithm.into(),

@@ -1,6 +1,13 @@
 //! Numbers with units for the variables of an FMU: units of the FMU, and all others of the quantity.
 use crate::system::{Affine, conversion, unit_of};
-use crate::{Error, ModelDescription, Variable};
+use crate::{DisplayUnit, Error, ModelDescription, Variable};
+
+impl DisplayUnit {
+    /// `shown` (in the display unit) in the unit this belongs to: the inverse of [`DisplayUnit::show`].
+    pub fn back(&self, shown: f64) -> f64 {
+        if self.inverse { self.factor / shown } else { (shown - self.offset) / self.factor }
+    }
+}
 
 /// The number and its unit, if the text of a real variable is no plain number: `300 rpm`, `0,5`.
 pub(crate) fn number_with_unit<'t>(variable: &Variable, text: &'t str) -> Option<(f64, &'t str)> {
@@ -67,6 +74,20 @@ pub(crate) fn from_unit(
             let why =
                 refused.err().map_or(format!("{wanted:?} is a reciprocal"), |refusal| refusal.to_string());
             Err(format!("has {own}, and {why}"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_display_value_goes_back() {
+        let celsius = DisplayUnit { name: "degC".to_owned(), factor: 1.0, offset: -273.15, inverse: false };
+        let period = DisplayUnit { name: "ms".to_owned(), factor: 1000.0, offset: 0.0, inverse: true };
+        for (display, value) in [(&celsius, 298.15), (&period, 50.0)] {
+            assert!((display.back(display.show(value)) - value).abs() < 1e-12);
         }
     }
 }

@@ -37,9 +37,8 @@ mod tests {
         assert!(sentence.starts_with("w = 560 K") && sentence.contains("100 ... 543.15 K"), "{sentence}");
         let sentence = first_outside(&limits, ("w", 500.0), &[("b", 400.0), ("h", 99.0)]).unwrap();
         assert!(sentence.starts_with("h = 99 K") && sentence.contains("100 ... 583.15 K"), "{sentence}");
-        let celsius = |value: f64| {
-            first_outside(&limits, ("w", value), &[]).unwrap().contains("degC is within them")
-        };
+        let celsius =
+            |value: f64| first_outside(&limits, ("w", value), &[]).unwrap().contains("degC is within them");
         assert!(celsius(25.0) && !celsius(99.0 - 273.15) && !celsius(560.0));
         // The magnets have no torque above T_ref - 1/alpha_mag.
         let weak = Limits::new(Validity::default(), 298.15, -0.01);

@@ -8,8 +8,8 @@ use crate::quantity::from_unit;
 use crate::{Error, InputTable, ModelDescription, Variable};
 use std::path::Path;
 
-/// Reads the table at `path` for the inputs of a system that nothing else sets. A column `component.variable` without a unit is in the
-/// unit of the variable, or in its display unit; a connector of the system has a unit of its own.
+/// Reads the table at `path` for the inputs of a system that nothing else sets. A column without a unit is in the
+/// unit of the variable, or in its display unit; a connector of the system may have a unit of its own.
 pub(crate) fn read(
     path: &Path,
     parts: Parts,
@@ -53,9 +53,12 @@ fn targets<'a>(
     let mut targets = Vec::new();
     for input in connections.system_inputs.iter().filter(|s| s.name == name) {
         let (description, variable) = (parts.description(input.port.component), parts.variable(input.port));
-        // In the unit of the connector, else in another one, which the FMU defines.
         let is_of_connector = unit.is_none() || input.unit.as_ref().map(|u| u.name.as_str()) == unit;
-        let to_connector = if is_of_connector {
+        let displayed = connections.displayed(parts, name).filter(|_| display_units && unit.is_none());
+        // In the display unit of the input or the unit of the connector, else in another one, which the FMU defines.
+        let to_connector = if let Some((first, _)) = displayed {
+            converted(parts.description(first.component), parts.variable(first), None, true)?
+        } else if is_of_connector {
             Affine::IDENTITY
         } else {
             let inner = unit_of(description, variable);

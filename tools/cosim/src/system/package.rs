@@ -35,7 +35,7 @@ pub struct SspForm {
 }
 
 pub(crate) fn write(parts: Parts, path: &Path, form: SspForm) -> Result<(), Error> {
-    let mut connections = resolve(parts, &[])?;
+    let mut connections = resolve(parts, &[], false)?;
     connections.check_open_inputs(parts, None)?;
     let grid = times::grid(parts, Times::default(), None)?;
     times::check_component_steps(parts, &grid, parts.structure.step.is_some())?;

@@ -29,7 +29,8 @@ pub struct SystemOptions {
     pub sets: Vec<(String, String)>,
     /// CSV file of inputs over time, with columns `component.variable` or inputs of the system.
     pub input: Option<PathBuf>,
-    /// Columns `component.variable` without a unit are in the display unit of the variable.
+    /// Numbers without a unit in `sets` and columns without a unit in `input` are in the display unit of the variable, unless the
+    /// connector of the system has another unit than the variable.
     pub display_units: bool,
     /// Coupling algorithm.
     pub algorithm: Algorithm,
@@ -83,7 +84,7 @@ pub fn cosimulate(
 ) -> Result<SystemRun, Error> {
     let parts = system.parts();
     let structure = parts.structure;
-    let mut connections = resolve(parts, &options.sets)?;
+    let mut connections = resolve(parts, &options.sets, options.display_units)?;
     let table = options
         .input
         .as_deref()
