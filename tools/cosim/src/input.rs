@@ -56,14 +56,14 @@ struct Cell<'a> {
 }
 
 impl InputTable {
-    /// Reads a table for the FMU with this description. Columns without a unit are in the unit of the variable, or in its display unit.
+    /// Reads a table for the FMU with this description, once, so that it may come through a pipe; `-` is the standard input. Columns without a unit are in the unit of the variable, or in its display unit.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Text`] with the line: an empty file, a first column that is not `time`, a name that
     /// is unknown, not an input or repeated, a unit that does not fit, a row of another length, a value that is no finite number of
     /// its type, time running backwards, no rows.
     pub fn read(path: &Path, description: &ModelDescription, display_units: bool) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
+        let (bytes, path) = content(path)?;
         Self::parse(path, &bytes, description, display_units)
     }
 
@@ -270,6 +270,20 @@ impl InputTable {
         self.times.push(time);
         Ok(())
     }
+}
+
+/// Whether a path means the standard input. The process of an FMU has another one, so that its parent has to read it.
+pub fn is_standard_input(path: &Path) -> bool {
+    ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"].iter().any(|name| path == Path::new(name))
+}
+
+/// The bytes of a file, and its name for messages.
+pub(crate) fn content(path: &Path) -> Result<(Vec<u8>, &Path), Error> {
+    if !is_standard_input(path) {
+        return Ok((std::fs::read(path).map_err(Error::io("read", path))?, path));
+    }
+    let name = Path::new("standard input");
+    Ok((crate::child::standard_input().map_err(Error::io("read", name))?, name))
 }
 
 /// `name [unit]`; brackets that follow the name at once belong to it.

@@ -3,7 +3,7 @@ use super::connections::Connections;
 use super::parts::{Parts, Port};
 use super::settings::owner;
 use super::units::{Affine, conversion, unit_of};
-use crate::input::Target;
+use crate::input::{Target, content};
 use crate::quantity::from_unit;
 use crate::{Error, InputTable, ModelDescription, Variable};
 use std::path::Path;
@@ -16,7 +16,7 @@ pub(crate) fn read(
     connections: &Connections,
     display_units: bool,
 ) -> Result<InputTable, Error> {
-    let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
+    let (bytes, path) = content(path)?;
     InputTable::parse_for(path, &bytes, &|name, unit| {
         let targets = targets(name, unit, parts, connections, display_units)?;
         for (_, port) in &targets {
