@@ -1,5 +1,5 @@
 //! Tables of inputs over time, from CSV.
-use crate::quantity::from_unit;
+use crate::quantity::{of_column, unknown_column};
 use crate::system::Affine;
 use crate::{Causality, Error, Kind, ModelDescription, Value, Variability, Variable};
 use std::borrow::Cow;
@@ -75,9 +75,8 @@ impl InputTable {
         display_units: bool,
     ) -> Result<Self, Error> {
         Self::parse_for(path, bytes, &|name, unit| {
-            let variable = description.settable(name).map_err(|e| format!("unknown column: {e}"))?;
-            let convert = from_unit(description, variable, unit, display_units)
-                .map_err(|refused| format!("column {name} {refused}"))?;
+            let variable = description.settable(name).map_err(|e| unknown_column(description, name, &e))?;
+            let convert = of_column(description, variable, unit, display_units)?;
             Ok(vec![Target { component: 0, description, variable, convert }])
         })
     }
@@ -343,8 +342,25 @@ mod tests {
             assert!(table.times()[0] == 0.0 && table.times().get(1).is_none_or(|t| *t == 0.5));
         }
         let refused = parse("time,T [rpm]\n0,25\n", false).unwrap_err().to_string();
-        let expected = r#"in.csv, line 1: column T has the unit "K", and "rpm" is not a unit of the same quantity as "K""#;
+        let expected = r#"in.csv, line 1: column T has the unit "K", and "rpm" is not a unit of the same quantity as "K"; possible are K, degC and other units of the quantity"#;
         assert_eq!(refused, expected);
+        for (header, words) in [
+            ("w[1]_rpm", "unknown column: w[1]_rpm; a unit stands in brackets, as in w[1] [rpm]"),
+            (
+                "w[1]_Hz",
+                r#"w[1] has the unit "rad/s", and "Hz" is not a unit of the same quantity as "rad/s"; possible are rad/s, rpm and"#,
+            ),
+            (
+                "T_foo",
+                r#"and "foo" is not a known unit; possible are K, degC and other units of the quantity"#,
+            ),
+        ] {
+            let refused = parse(&format!("time,{header}\n0,25\n"), false).unwrap_err().to_string();
+            assert!(
+                refused.starts_with("in.csv, line 1: unknown column") && refused.contains(words),
+                "{refused}"
+            );
+        }
         let refused = parse("time [K],T\n0,25\n", false).unwrap_err().to_string();
         assert!(refused.contains(r#"column time has the unit "s""#), "{refused}");
     }

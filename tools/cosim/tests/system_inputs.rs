@@ -171,7 +171,7 @@ fn each_refusal_is_one_sentence() {
         (
             "time,push [rpm]\n0,0\n",
             "",
-            "column torque has the unit \"N.m\", and \"rpm\" is not a unit of the same quantity as \"N.m\"",
+            "column torque has the unit \"N.m\", and \"rpm\" is not a unit of the same quantity as \"N.m\"; possible are N.m, mN.m and other units of the quantity",
         ),
     ] {
         let pairs: Vec<(&str, &str)> = set.split_once('=').into_iter().collect();

@@ -4,8 +4,8 @@ use super::parts::{Parts, Port};
 use super::settings::owner;
 use super::units::{Affine, conversion, unit_of};
 use crate::input::{Target, content};
-use crate::quantity::from_unit;
-use crate::{Error, InputTable, ModelDescription, Variable};
+use crate::quantity::{of_column, unknown_column};
+use crate::{Error, InputTable};
 use std::path::Path;
 
 /// Reads the table at `path` for the inputs of a system that nothing else sets. A column without a unit is in the
@@ -33,16 +33,6 @@ pub(crate) fn read(
     })
 }
 
-fn converted(
-    description: &ModelDescription,
-    variable: &Variable,
-    unit: Option<&str>,
-    display_units: bool,
-) -> Result<Affine, String> {
-    from_unit(description, variable, unit, display_units)
-        .map_err(|refused| format!("column {} {refused}", variable.name))
-}
-
 fn targets<'a>(
     name: &str,
     unit: Option<&str>,
@@ -57,13 +47,13 @@ fn targets<'a>(
         let displayed = connections.displayed(parts, name).filter(|_| display_units && unit.is_none());
         // In the display unit of the input or the unit of the connector, else in another one, which the FMU defines.
         let to_connector = if let Some((first, _)) = displayed {
-            converted(parts.description(first.component), parts.variable(first), None, true)?
+            of_column(parts.description(first.component), parts.variable(first), None, true)?
         } else if is_of_connector {
             Affine::IDENTITY
         } else {
             let inner = unit_of(description, variable);
             let outward = conversion(inner.as_ref(), input.unit.as_ref(), variable.relative);
-            converted(description, variable, unit, false)?.then(outward.unwrap_or(Affine::IDENTITY))
+            of_column(description, variable, unit, false)?.then(outward.unwrap_or(Affine::IDENTITY))
         };
         let convert = to_connector.then(input.convert);
         let target = Target { component: input.port.component, description, variable, convert };
@@ -78,9 +68,9 @@ fn targets<'a>(
         ));
     };
     let description = parts.description(component);
-    let variable = description.settable(inner).map_err(|e| format!("unknown column: {e}"))?;
+    let variable = description.settable(inner).map_err(|e| unknown_column(description, inner, &e))?;
     let place = description.variables.iter().position(|v| v.name == inner).unwrap_or(0);
-    let convert = converted(description, variable, unit, display_units)?;
+    let convert = of_column(description, variable, unit, display_units)?;
     let port = Port { component, variable: place };
     Ok(vec![(Target { component, description, variable, convert }, port)])
 }
