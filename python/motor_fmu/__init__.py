@@ -86,7 +86,7 @@ def steady(
 
 
 def sweep(
-    vary: Mapping[str, tuple[float, float, int]],
+    vary: Mapping[str, tuple[float | str, float | str, int]],
     *,
     model: str = "AnnulusCooledMotor",
     objective: str | None = None,
@@ -97,9 +97,11 @@ def sweep(
 ) -> pd.DataFrame:
     """The points of a grid: `vary` maps a variable to its first value, last value and number of values.
 
+    A value may be text with a unit (`"3000 rpm"`); the results are in SI units.
+
     The result as the program prints it (best point, units, notes) is in `.attrs`.
     """
-    ranges = [part for name, (first, last, n) in vary.items() for part in ("--vary", f"{name}={first!r}:{last!r}:{n}")]
+    ranges = [part for name, (first, last, n) in vary.items() for part in ("--vary", f"{name}={first}:{last}:{n}")]
     options = _options(model=model, objective=objective, preset=preset, load=load, hours=hours)
     with tempfile.TemporaryDirectory() as folder:
         points = Path(folder) / "points.csv"

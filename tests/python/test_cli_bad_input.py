@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import zipfile
+from functools import partial
 
 import pytest
 from clients.paths import EXAMPLES
@@ -228,3 +229,31 @@ def test_motors_are_varied_at_constant_inputs(motor_fmu):
     done = motor_fmu("sweep", "--vary", "preset=maxon-305015,maxon-re40-148877", "--json")
     assert done.returncode == 0, done.stderr
     assert [point["values"] for point in json.loads(done.stdout)["points"]] == [["maxon-305015"], ["maxon-re40-148877"]]
+
+
+def test_a_temperature_in_degc_is_suspected_wherever_a_value_is_set(motor_fmu, simulate, archive_paths, tmp_path):
+    for name in ("initial.winding_temperature", "ambient_temperature"):
+        words = (f"{name} = 25 K is outside", "25 degC is within them")
+        one_sentence(simulate("--set", f"{name}=25"), CANNOT, *words)
+        one_sentence(motor_fmu("steady", "--set", f"{name}=25"), CANNOT, *words)
+        one_sentence(motor_fmu("sweep", "--vary", f"{name}=25,26"), CANNOT, *words)
+        (tmp_path / "s.toml").write_text(f'[system]\nname = "s"\n[[component]]\nname = "m"\nfmu = "{archive_paths[2]}"\n[component.set]\n"{name}" = 25\n')
+        one_sentence(motor_fmu("cosim", "s.toml"), CANNOT, *words)
+
+
+def test_inputs_come_through_a_pipe(program, archive_paths, tmp_path):
+    table = "time,fan_command\n0,0\n0.5,1\n"
+    (tmp_path / "fan.csv").write_text(table)
+    (tmp_path / "system.csv").write_text(table.replace("fan", "m.fan"))
+    (tmp_path / "s.toml").write_text(f'[system]\nname = "s"\n[experiment]\nstop = 1\n[[component]]\nname = "m"\nfmu = "{archive_paths[2]}"\n')
+    run = partial(subprocess.run, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    for command, file in ((["simulate", archive_paths[3], "--stop", "1"], "fan.csv"), (["cosim", "s.toml"], "system.csv")):
+        command = [program, *command, "--output", "-", "--input"]
+        expected = run([*command, file])
+        assert expected.returncode == 0, expected.stderr
+        text = (tmp_path / file).read_text()
+        for name in ("-", "/dev/stdin") if os.name == "posix" else ("-",):
+            done = run([*command, name], input=text)
+            assert (done.returncode, done.stdout) == (0, expected.stdout), done.stderr
+            one_sentence(run([*command, name], input=text.replace("1\n", "x\n")), CANNOT, "standard input, line 3", "x")
+            one_sentence(run([*command, name], input=""), CANNOT, "standard input, line 1: the file is empty")

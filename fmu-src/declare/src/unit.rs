@@ -64,6 +64,14 @@ macro_rules! units {
 }
 
 impl Unit {
+    /// A clause about a refused value of an absolute temperature, K, that may have been meant in degC: empty unless that is within the limits.
+    pub fn celsius_clause(self, value: f64, limits: [f64; 2]) -> String {
+        let [low, high] = limits;
+        let kelvin = value - self.display().map_or(0.0, |celsius| celsius.offset);
+        let may_be = self == Unit::Kelvin && (low..=high).contains(&kelvin);
+        if may_be { format!("; {value} degC is within them") } else { String::new() }
+    }
+
     /// The physical quantity, with the names of Modelica.Units.SI; `None` for a coefficient without such a name.
     pub const fn quantity(self) -> Option<&'static str> {
         Some(match self {

@@ -4,7 +4,7 @@ use crate::exchange::Exchange;
 pub use crate::fault::Fault;
 use crate::load_table::LoadTable;
 use crate::terms::{Drivers, GenericTerm};
-use declare::{Causality, Elements, Kind, State, Unit, Variability, Variable};
+use declare::{Causality, Elements, Kind, State, Variability, Variable};
 use std::fmt;
 use std::sync::OnceLock;
 
@@ -320,11 +320,9 @@ impl Entry {
             unit => format!(" {unit}"),
         };
         let (low, high) = (self.row.min, self.row.max);
-        let celsius = match self.row.unit {
-            Unit::Kelvin if !self.row.relative && (low..=high).contains(&(value + 273.15)) => {
-                format!("; {value} degC is within them")
-            }
-            _ => String::new(),
+        let celsius = match self.row.relative {
+            true => String::new(),
+            false => self.row.unit.celsius_clause(value, [low, high]),
         };
         // Not hundreds of digits.
         let value = if value.abs() < 1e15 { value.to_string() } else { format!("{value:e}") };

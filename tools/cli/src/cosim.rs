@@ -30,9 +30,9 @@ pub struct Args {
     #[arg(long = "set", value_name = "COMPONENT.VARIABLE=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
     /// Inputs over time: CSV with the header time,<component.variable or input of the system>, each with [unit] if wanted; reals are
-    /// interpolated linearly, other inputs are constant between rows
+    /// interpolated linearly, other inputs are constant between rows; - reads the standard input
     #[arg(long, value_name = "F.csv")]
-    input: Option<PathBuf>,
+    pub input: Option<PathBuf>,
     /// Coupling algorithm
     #[arg(long, value_enum, default_value_t = Scheme::Jacobi)]
     algorithm: Scheme,
@@ -125,7 +125,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         stop: args.stop,
         step: args.step,
         tolerance: args.tolerance,
-        sets: args.shown.sets_of_system(args.sets, &system),
+        sets: args.sets,
         input: args.input,
         display_units: args.shown.has_display_units(),
         algorithm: args.algorithm.into(),

@@ -4,7 +4,7 @@ use crate::Failure;
 use crate::existing::is_stdout;
 use crate::pattern::Patterns;
 use clap::ValueEnum;
-use cosim::{Column, DisplayUnit, Limit, ModelDescription, Recording, System};
+use cosim::{Column, Limit, ModelDescription, Recording, System};
 use describe::{models, plots};
 use std::path::Path;
 
@@ -171,7 +171,7 @@ impl Shown {
         let variable = description.variable(name).filter(|v| v.kind.is_float() && self.has_display_units());
         let display = variable.and_then(|variable| description.display_unit(variable));
         match (display, units::split(&text)) {
-            (Some(display), Some((number, ""))) => of_display(&display, number).to_string(),
+            (Some(display), Some((number, ""))) => display.back(number).to_string(),
             _ => text,
         }
     }
@@ -184,29 +184,6 @@ impl Shown {
         };
         sets.into_iter().map(convert).collect()
     }
-
-    /// Settings `component.variable` of a system in the units of the interface; other names are inputs of the system, whose values stay.
-    pub fn sets_of_system(&self, sets: Vec<(String, String)>, system: &System) -> Vec<(String, String)> {
-        let convert = |(name, text): (String, String)| {
-            let owner = |(component, description)| {
-                let variable = name.strip_prefix(component)?.strip_prefix('.')?;
-                Some((variable, description))
-            };
-            // Names of components may have dots: the longest one counts.
-            let found = system.descriptions().filter_map(owner).min_by_key(|(variable, _)| variable.len());
-            let text = match found {
-                Some((variable, description)) => self.set(variable, text, description),
-                None => text,
-            };
-            (name, text)
-        };
-        sets.into_iter().map(convert).collect()
-    }
-}
-
-/// The value in the unit of the interface.
-fn of_display(display: &DisplayUnit, shown: f64) -> f64 {
-    if display.inverse { display.factor / shown } else { (shown - display.offset) / display.factor }
 }
 
 /// Every n-th row of a recording, with the first and the last.
@@ -219,20 +196,6 @@ pub fn thin(recording: &mut Recording, every: usize) {
         column.values = pick(&column.values);
         if !column.exact.is_empty() {
             column.exact = kept.iter().map(|k| column.exact[*k]).collect();
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_display_value_goes_back() {
-        let celsius = DisplayUnit { name: "degC".to_owned(), factor: 1.0, offset: -273.15, inverse: false };
-        let period = DisplayUnit { name: "ms".to_owned(), factor: 1000.0, offset: 0.0, inverse: true };
-        for (display, value) in [(&celsius, 298.15), (&period, 50.0)] {
-            assert!((of_display(display, display.show(value)) - value).abs() < 1e-12);
         }
     }
 }

@@ -40,9 +40,9 @@ pub struct Args {
     /// Record this variable, too; local variables and parameters are not recorded otherwise. May be repeated
     #[arg(long = "record", value_name = "NAME")]
     records: Vec<String>,
-    /// Inputs over time: CSV with the header time,<input names>, each with [unit] if wanted; reals are interpolated linearly, other inputs are constant between rows; two rows with one time are a discontinuity, at which a step ends if the FMU can vary its step
+    /// Inputs over time: CSV with the header time,<input names>, each with [unit] if wanted; reals are interpolated linearly, other inputs are constant between rows; two rows with one time are a discontinuity, at which a step ends if the FMU can vary its step; - reads the standard input
     #[arg(long, value_name = "F.csv")]
-    input: Option<PathBuf>,
+    pub input: Option<PathBuf>,
     /// Record every N-th communication point, and the last
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,

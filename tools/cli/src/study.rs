@@ -178,8 +178,8 @@ pub struct SweepArgs {
     start: Start,
     #[command(flatten)]
     load: LoadArgs,
-    /// A variable and its values: a range with both ends, or a list of numbers (with unit if wanted) or items, such as
-    /// cooling_mode=bare,annulus_push or gait.activity=walk,stairs_up; preset=NAME,FILE,... varies the motor. May be repeated
+    /// A variable and its values: a range with both ends, such as "imposed_speed=0:3000 rpm:4", or a list of numbers (both in SI units, or
+    /// with any unit of the quantity) or items, such as cooling_mode=bare,annulus_push or gait.activity=walk,stairs_up; preset=NAME,FILE,... varies the motor. May be repeated
     #[arg(long = "vary", required = true, value_name = "NAME=FROM:TO:N|V,V,...")]
     vary: Vec<String>,
     /// continuous_torque, torque_density (both at the winding's limit and the speed of the point), or an output in steady state; with --load
@@ -213,6 +213,7 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         Some(file) => Box::new(Walking { load: args.start.load(file)?, hours: args.load.hours }),
         None => Box::new(ConstantInputs { setup: args.start.setup()? }),
     };
+    let vary = vary.iter().map(|v| v.resolved(case.as_ref())).collect::<Result<Vec<_>, _>>()?;
     let constraints =
         args.constraints.iter().map(|text| Constraint::parse(text)).collect::<Result<_, _>>()?;
     let goal = Goal { objectives: args.objectives.clone(), constraints };
@@ -283,12 +284,10 @@ fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     }
     if let Some(best) = &found.best {
         let at = |k: usize| {
-            format!(
-                "{} = {} {}",
-                found.varied[k],
-                best.values[k].number().map_or_else(|| best.values[k].text(), significant),
-                plain(found.units[k])
-            )
+            // A word has its unit.
+            let with_unit = |number| format!("{} {}", significant(number), plain(found.units[k]));
+            let value = best.values[k].number().map_or_else(|| best.values[k].text(), with_unit);
+            format!("{} = {value}", found.varied[k])
         };
         let places: Vec<String> = (0..found.varied.len()).map(at).collect();
         let value = best.objective.map_or(String::new(), significant);

@@ -3,7 +3,9 @@ use crate::parent::{self, Event};
 use crate::progress::Progress;
 use crate::{Command, Failure, simulate};
 use cosim::child::{Call, Ending, Work, supervise};
+use cosim::is_standard_input;
 use std::ffi::OsString;
+use std::io::Read;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -15,8 +17,15 @@ pub struct WorkArgs {
     arguments: Vec<OsString>,
 }
 
-/// Runs the command of this process, on `file`, in a child.
-pub fn run(file: &Path, patience: f64) -> Result<ExitCode, Failure> {
+/// Runs the command of this process, on `file` with the inputs of `input`, in a child.
+pub fn run(file: &Path, input: Option<&Path>, patience: f64) -> Result<ExitCode, Failure> {
+    let mut bytes = Vec::new();
+    let reads = input.is_some_and(is_standard_input);
+    if reads {
+        std::io::stdin()
+            .read_to_end(&mut bytes)
+            .map_err(|e| Failure::new(format!("the standard input cannot be read: {e}")))?;
+    }
     let arguments: Vec<OsString> =
         std::iter::once("work".into()).chain(std::env::args_os().skip(1)).collect();
     let work = Work {
@@ -24,6 +33,7 @@ pub fn run(file: &Path, patience: f64) -> Result<ExitCode, Failure> {
         arguments: &arguments,
         patience: Duration::from_secs_f64(patience),
         shows_errors: true,
+        standard_input: reads.then_some(&bytes),
     };
     let bar = Progress::new("simulating");
     let (mut said, mut complaints, mut code, mut failure) = (String::new(), String::new(), 2, None);

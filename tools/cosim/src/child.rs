@@ -8,6 +8,7 @@ mod inside;
 #[cfg(unix)]
 mod signals;
 
+pub(crate) use inside::standard_input;
 pub use inside::{Channel, enter};
 
 use crate::number;
@@ -83,7 +84,12 @@ pub struct Work<'a> {
     pub patience: Duration,
     /// Whether the child's standard error is this process's.
     pub shows_errors: bool,
+    /// What a child that reads the standard input finds there: its own is the pipe from this process.
+    pub standard_input: Option<&'a [u8]>,
 }
+
+/// The name of the file with [`Work::standard_input`] in the folder of the child.
+const STANDARD_INPUT: &str = "standard-input";
 
 /// How often the shared memory is read.
 const TICK: Duration = Duration::from_millis(50);
@@ -105,6 +111,9 @@ enum Line {
 pub fn supervise(work: &Work, receive: &mut dyn FnMut(&str)) -> io::Result<Ending> {
     let folder = crate::archive::temporary_folder().map_err(io::Error::other)?;
     let page = SharedPage::create(&folder.path().join(page::FILE))?;
+    if let Some(bytes) = work.standard_input {
+        std::fs::write(folder.path().join(STANDARD_INPUT), bytes)?;
+    }
     let mut command = Command::new(work.program);
     command.args(work.arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
     if !work.shows_errors {

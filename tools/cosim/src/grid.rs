@@ -3,6 +3,10 @@ use crate::{Error, InputTable};
 
 /// Communication points that one run may have.
 const MAX_STEPS: f64 = 1e9;
+/// The options of [`Error::Option`] that a grid refuses.
+pub(crate) const START: &str = "start time";
+pub(crate) const STOP: &str = "stop time";
+pub(crate) const STEP: &str = "step size";
 
 /// The communication points `start + k * step`, the last of them `stop`.
 pub(crate) struct Grid {
@@ -12,6 +16,11 @@ pub(crate) struct Grid {
     pub(crate) steps: usize,
     /// Times closer than this are the same.
     pub(crate) slack: f64,
+}
+
+/// Whether a run over a span would have more steps than it may have.
+pub(crate) fn is_too_short(step: f64, span: f64) -> bool {
+    span / step > MAX_STEPS
 }
 
 impl Grid {
@@ -27,23 +36,19 @@ impl Grid {
         let refuse =
             |option, value: f64, reason: String| Err(Error::option(option, format!("{value} s"), reason));
         if !start.is_finite() {
-            return refuse("start time", start, "must be finite".to_owned());
+            return refuse(START, start, "must be finite".to_owned());
         }
         if !stop.is_finite() || stop <= start {
-            return refuse("stop time", stop, format!("must be finite and above the start time {start} s"));
+            return refuse(STOP, stop, format!("must be finite and above the start time {start} s"));
         }
         let span = stop - start;
         let step = step.unwrap_or_else(|| fallback(span));
         if !step.is_finite() || step <= 0.0 {
-            return refuse("step size", step, "must be finite and above 0 s".to_owned());
+            return refuse(STEP, step, "must be finite and above 0 s".to_owned());
         }
         let ratio = span / step;
-        if ratio > MAX_STEPS || start + step == start || stop - step == stop {
-            return refuse(
-                "step size",
-                step,
-                format!("is too small for a span of {} s", crate::number(span)),
-            );
+        if is_too_short(step, span) || start + step == start || stop - step == stop {
+            return refuse(STEP, step, format!("is too small for a span of {} s", crate::number(span)));
         }
         // An integer up to rounding error: 3600 / 0.01 is not exactly 360000.
         let whole = (ratio - ratio.round()).abs() <= 1e-9 * ratio.max(1.0) && ratio.round() >= 1.0;
@@ -51,7 +56,7 @@ impl Grid {
             let reason = format!(
                 "does not divide the time from {start} s to {stop} s, and {name} cannot vary its step"
             );
-            return refuse("step size", step, reason);
+            return refuse(STEP, step, reason);
         }
         let steps = if whole { ratio.round() } else { ratio.ceil() } as usize;
         Ok(Self { start, stop, step, steps, slack: 1e-9 * step.min(span) })

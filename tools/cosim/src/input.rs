@@ -1,5 +1,5 @@
 //! Tables of inputs over time, from CSV.
-use crate::quantity::from_unit;
+use crate::quantity::{of_column, unknown_column};
 use crate::system::Affine;
 use crate::{Causality, Error, Kind, ModelDescription, Value, Variability, Variable};
 use std::borrow::Cow;
@@ -56,14 +56,14 @@ struct Cell<'a> {
 }
 
 impl InputTable {
-    /// Reads a table for the FMU with this description. Columns without a unit are in the unit of the variable, or in its display unit.
+    /// Reads a table for the FMU with this description, once, so that it may come through a pipe; `-` is the standard input. Columns without a unit are in the unit of the variable, or in its display unit.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Text`] with the line: an empty file, a first column that is not `time`, a name that
     /// is unknown, not an input or repeated, a unit that does not fit, a row of another length, a value that is no finite number of
     /// its type, time running backwards, no rows.
     pub fn read(path: &Path, description: &ModelDescription, display_units: bool) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
+        let (bytes, path) = content(path)?;
         Self::parse(path, &bytes, description, display_units)
     }
 
@@ -75,9 +75,8 @@ impl InputTable {
         display_units: bool,
     ) -> Result<Self, Error> {
         Self::parse_for(path, bytes, &|name, unit| {
-            let variable = description.settable(name).map_err(|e| format!("unknown column: {e}"))?;
-            let convert = from_unit(description, variable, unit, display_units)
-                .map_err(|refused| format!("column {name} {refused}"))?;
+            let variable = description.settable(name).map_err(|e| unknown_column(description, name, &e))?;
+            let convert = of_column(description, variable, unit, display_units)?;
             Ok(vec![Target { component: 0, description, variable, convert }])
         })
     }
@@ -272,6 +271,20 @@ impl InputTable {
     }
 }
 
+/// Whether a path means the standard input. The process of an FMU has another one, so that its parent has to read it.
+pub fn is_standard_input(path: &Path) -> bool {
+    ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"].iter().any(|name| path == Path::new(name))
+}
+
+/// The bytes of a file, and its name for messages.
+pub(crate) fn content(path: &Path) -> Result<(Vec<u8>, &Path), Error> {
+    if !is_standard_input(path) {
+        return Ok((std::fs::read(path).map_err(Error::io("read", path))?, path));
+    }
+    let name = Path::new("standard input");
+    Ok((crate::child::standard_input().map_err(Error::io("read", name))?, name))
+}
+
 /// `name [unit]`; brackets that follow the name at once belong to it.
 fn name_and_unit(text: &str) -> (&str, Option<&str>) {
     let (name, unit) = delimited::name_and_unit(text);
@@ -329,8 +342,25 @@ mod tests {
             assert!(table.times()[0] == 0.0 && table.times().get(1).is_none_or(|t| *t == 0.5));
         }
         let refused = parse("time,T [rpm]\n0,25\n", false).unwrap_err().to_string();
-        let expected = r#"in.csv, line 1: column T has the unit "K", and "rpm" is not a unit of the same quantity as "K""#;
+        let expected = r#"in.csv, line 1: column T has the unit "K", and "rpm" is not a unit of the same quantity as "K"; possible are K, degC and other units of the quantity"#;
         assert_eq!(refused, expected);
+        for (header, words) in [
+            ("w[1]_rpm", "unknown column: w[1]_rpm; a unit stands in brackets, as in w[1] [rpm]"),
+            (
+                "w[1]_Hz",
+                r#"w[1] has the unit "rad/s", and "Hz" is not a unit of the same quantity as "rad/s"; possible are rad/s, rpm and"#,
+            ),
+            (
+                "T_foo",
+                r#"and "foo" is not a known unit; possible are K, degC and other units of the quantity"#,
+            ),
+        ] {
+            let refused = parse(&format!("time,{header}\n0,25\n"), false).unwrap_err().to_string();
+            assert!(
+                refused.starts_with("in.csv, line 1: unknown column") && refused.contains(words),
+                "{refused}"
+            );
+        }
         let refused = parse("time [K],T\n0,25\n", false).unwrap_err().to_string();
         assert!(refused.contains(r#"column time has the unit "s""#), "{refused}");
     }

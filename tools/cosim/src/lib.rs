@@ -56,7 +56,7 @@ pub use description::{
     ModelDescription, Unit, Variability, Variable,
 };
 pub use error::{Error, number};
-pub use input::InputTable;
+pub use input::{InputTable, is_standard_input};
 pub use instance::{Instance, State, Step};
 pub use log::{Log, LogMessage, Status};
 pub use plot::Limit;

@@ -1,6 +1,13 @@
 //! Numbers with units for the variables of an FMU: units of the FMU, and all others of the quantity.
 use crate::system::{Affine, conversion, unit_of};
-use crate::{Error, ModelDescription, Variable};
+use crate::{DisplayUnit, Error, ModelDescription, Unit, Variable};
+
+impl DisplayUnit {
+    /// `shown` (in the display unit) in the unit this belongs to: the inverse of [`DisplayUnit::show`].
+    pub fn back(&self, shown: f64) -> f64 {
+        if self.inverse { self.factor / shown } else { (shown - self.offset) / self.factor }
+    }
+}
 
 /// The number and its unit, if the text of a real variable is no plain number: `300 rpm`, `0,5`.
 pub(crate) fn number_with_unit<'t>(variable: &Variable, text: &'t str) -> Option<(f64, &'t str)> {
@@ -67,6 +74,60 @@ pub(crate) fn from_unit(
             let why =
                 refused.err().map_or(format!("{wanted:?} is a reciprocal"), |refusal| refusal.to_string());
             Err(format!("has {own}, and {why}"))
+        }
+    }
+}
+
+/// The conversion of a column of an input table; the sentence about a unit that does not fit names units that do.
+pub(crate) fn of_column(
+    description: &ModelDescription,
+    variable: &Variable,
+    unit: Option<&str>,
+    display_units: bool,
+) -> Result<Affine, String> {
+    from_unit(description, variable, unit, display_units).map_err(|refused| {
+        let own = unit_of(description, variable);
+        let shown = own.iter().flat_map(|own| own.display_units.iter().map(|d| d.name.as_str()));
+        let fits = |unit: &&Unit| conversion(Some(unit), own.as_ref(), variable.relative).is_some();
+        let others = description.units.iter().filter(fits).map(|u| u.name.as_str());
+        let mut units: Vec<&str> = Vec::new();
+        for name in own.iter().map(|own| own.name.as_str()).chain(shown).chain(others) {
+            if !units.contains(&name) {
+                units.push(name);
+            }
+        }
+        let possible = match units[..] {
+            [] => String::new(),
+            _ => format!("; possible are {} and other units of the quantity", units.join(", ")),
+        };
+        format!("column {} {refused}{possible}", variable.name)
+    })
+}
+
+/// One sentence about a column that is no variable: `speed_rpm` is a variable with a unit that stands in brackets.
+pub(crate) fn unknown_column(description: &ModelDescription, name: &str, error: &Error) -> String {
+    let with_unit = name.match_indices('_').rev().find_map(|(at, _)| {
+        let variable = description.settable(&name[..at]).ok()?;
+        Some((variable, name[at + 1..].replace("_per_", "/")))
+    });
+    let Some((variable, unit)) = with_unit else { return format!("unknown column: {error}") };
+    let own = &variable.name;
+    match of_column(description, variable, Some(&unit), false) {
+        Ok(_) => format!("unknown column: {name}; a unit stands in brackets, as in {own} [{unit}]"),
+        Err(refused) => format!("unknown column: {name}; a unit stands in brackets, and {refused}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_display_value_goes_back() {
+        let celsius = DisplayUnit { name: "degC".to_owned(), factor: 1.0, offset: -273.15, inverse: false };
+        let period = DisplayUnit { name: "ms".to_owned(), factor: 1000.0, offset: 0.0, inverse: true };
+        for (display, value) in [(&celsius, 298.15), (&period, 50.0)] {
+            assert!((display.back(display.show(value)) - value).abs() < 1e-12);
         }
     }
 }

@@ -7,6 +7,7 @@
 //! | `inputs.rs` | tables of inputs over time |
 //! | `order.rs`, `loops.rs` | what passes through without a step; algebraic loops and their solution |
 //! | `master.rs`, `memory.rs`, `component_steps.rs`, `batch.rs` | instances and one macro step |
+//! | `times.rs` | start, stop and communication steps, checked |
 //! | `run.rs`, `variable_step.rs` | the run, with a fixed or a variable step |
 //! | `power_bonds.rs`, `record.rs` | the bonds of the coupling; the rows that are kept |
 mod batch;
@@ -33,6 +34,7 @@ mod ssd;
 mod structure;
 mod tags;
 mod text;
+mod times;
 mod units;
 mod variable_step;
 

@@ -200,7 +200,11 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
 }
 
 fn finite(variable: &Variable) -> String {
-    variable.unit.as_ref().map_or("a finite number".to_owned(), |u| format!("a finite number (in {u})"))
+    variable
+        .unit
+        .as_ref()
+        .filter(|u| *u != "1")
+        .map_or("a finite number".to_owned(), |u| format!("a finite number (in {u})"))
 }
 
 /// Whether a number is within the limits of its variable.

@@ -122,6 +122,51 @@ fn options_that_make_no_sense() {
     );
 }
 
+/// Times of the file are named with their line, also when the system is written as SSP; those of the caller are not.
+#[test]
+fn times_that_make_no_sense_have_their_line() {
+    let folder = Folder::new();
+    let above = "must be finite and above";
+    for (old, new, expected) in [
+        ("stop = 6", "stop = -1", format!("line 9: stop time = -1 s {above} the start time 0 s")),
+        ("stop = 6", "stop = nan", format!("line 9: stop time = NaN s {above} the start time 0 s")),
+        ("stop = 6", "stop = 6\nstart = 7", format!("line 9: stop time = 6 s {above} the start time 7 s")),
+        ("stop = 6", "start = inf", "line 9: start time = inf s must be finite".to_owned()),
+        ("step = 0.01", "step = \"0 ms\"", format!("line 10: step size = 0 s {above} 0 s")),
+        (
+            "step = 0.01",
+            "step = 1e-12",
+            "line 10: step size = 0.000000000001 s is too small for a span of 6 s".to_owned(),
+        ),
+        (
+            "\"spring.fmu\"",
+            "\"spring.fmu\"\nstep = 0.3",
+            "line 20: component spring: its step 0.3 s does not divide the communication step 0.01 s"
+                .to_owned(),
+        ),
+    ] {
+        let text = PAIR.replace(old, new);
+        assert_ne!(text, PAIR);
+        assert_eq!(
+            folder.sentence(folder.toml(&text), &SystemOptions::default()),
+            format!("s.toml, {expected}")
+        );
+        let written = folder.toml(&text).unwrap().write_ssp(&folder.path("s.ssp"), cosim::SspForm::default());
+        assert!(written.unwrap_err().to_string().ends_with(&expected), "{text}");
+    }
+    let text = PAIR.replace("stop = 6", "stop = 6\nstart = 7");
+    let asked = SystemOptions { stop: Some(5.0), ..SystemOptions::default() };
+    let sentence = folder.sentence(folder.toml(&text), &asked);
+    assert_eq!(sentence, format!("stop time = 5 s {above} the start time 7 s"));
+    let ssd = component("").replace(
+        "</SystemStructureDescription>",
+        "<DefaultExperiment\nstartTime=\"1\" stopTime=\"0\"/>\n</SystemStructureDescription>",
+    );
+    let sentence = folder.sentence(folder.ssp(&ssd, &[]), &SystemOptions::default());
+    let expected = format!("s.ssp: SystemStructure.ssd, line 9: stop time = 0 s {above} the start time 1 s");
+    assert_eq!(sentence, expected);
+}
+
 #[test]
 fn a_tolerance_that_cannot_be_met_is_an_error() {
     let folder = Folder::new();

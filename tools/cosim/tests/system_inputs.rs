@@ -94,6 +94,60 @@ fn columns_of_components_and_units() {
     assert_eq!(run.notes, ["gain: u stays at its start value"]);
 }
 
+/// The torque of the rotor is displayed in mN.m: numbers without unit of a caller, for the component and for the system alike.
+#[test]
+fn inputs_of_the_system_are_in_display_units_as_those_of_components_are() {
+    let folder = Folder::new();
+    let shown = xml("rotor")
+        .replace(
+            "s=\"-2\"/></Unit>\n    <Unit name=\"mN.m\">",
+            "s=\"-2\"/><DisplayUnit name=\"mN.m\" factor=\"1000\"/></Unit>\n    <Unit name=\"mN.m\">",
+        )
+        .replace("unit=\"N.m\" start", "unit=\"N.m\" displayUnit=\"mN.m\" start");
+    folder.fmu("rotor", &shown);
+    let speed = |text: &str, options: SystemOptions| {
+        let run = cosimulate(&folder.toml(text).unwrap(), &options, &mut |_| ()).unwrap();
+        *values(&run, "rotor.speed").last().unwrap()
+    };
+    let alone = OPEN.replace("\"push -> rotor.torque\", \"push -> gain.u\", ", "");
+    let is_near = |found: f64, expected: f64| (found - expected).abs() < 1e-14;
+    // -T t / J, 3 s, 2 kg.m2.
+    for (display_units, speed_of_two) in [(false, -3.0), (true, -0.003)] {
+        for (text, name) in [(OPEN, "push"), (&alone, "rotor.torque")] {
+            let set = |value: &str| SystemOptions {
+                sets: sets(&[(name, value)]),
+                display_units,
+                ..SystemOptions::default()
+            };
+            assert!(is_near(speed(text, set("2")), speed_of_two), "{name}");
+            assert!(is_near(speed(text, set("2 N.m")), -3.0), "{name}");
+            for (header, expected) in [(name.to_owned(), speed_of_two), (format!("{name} [N.m]"), -3.0)] {
+                let csv = format!("time,{header}\n0,2\n");
+                let found = speed(text, SystemOptions { display_units, ..options(&folder, &csv) });
+                assert!(is_near(found, expected), "{header}");
+            }
+        }
+        // The gain has no unit: all inputs that the system's input is connected to have one number. It is connected first.
+        let swapped = OPEN.replace(
+            "\"push -> rotor.torque\", \"push -> gain.u\"",
+            "\"push -> gain.u\", \"push -> rotor.torque\"",
+        );
+        for text in [OPEN, &swapped] {
+            let set =
+                SystemOptions { sets: sets(&[("push", "2")]), display_units, ..SystemOptions::default() };
+            let run = cosimulate(&folder.toml(text).unwrap(), &set, &mut |_| ()).unwrap();
+            assert!(
+                is_near(values(&run, "gain.y")[1], -10.0 * speed_of_two / 1.5),
+                "{:?}",
+                values(&run, "gain.y")
+            );
+        }
+        // A value of the file is in the unit of the interface.
+        let text = OPEN.replace("[experiment]", "[system.set]\npush = 2\n[experiment]");
+        assert_eq!(speed(&text, SystemOptions { display_units, ..SystemOptions::default() }), -3.0);
+    }
+}
+
 #[test]
 fn each_refusal_is_one_sentence() {
     let folder = Folder::new();
@@ -117,7 +171,7 @@ fn each_refusal_is_one_sentence() {
         (
             "time,push [rpm]\n0,0\n",
             "",
-            "column torque has the unit \"N.m\", and \"rpm\" is not a unit of the same quantity as \"N.m\"",
+            "column torque has the unit \"N.m\", and \"rpm\" is not a unit of the same quantity as \"N.m\"; possible are N.m, mN.m and other units of the quantity",
         ),
     ] {
         let pairs: Vec<(&str, &str)> = set.split_once('=').into_iter().collect();

@@ -154,11 +154,13 @@ fn a_component_may_step_more_often_than_the_system() {
     for (step, expected) in [
         ("0.003", "its step 0.003 s does not divide the communication step 0.01 s"),
         ("0.02", "its step 0.02 s does not divide the communication step 0.01 s"),
-        ("0", "its step 0 s is not above 0"),
+        ("0", "its step 0 s must be finite and above 0 s"),
+        ("nan", "its step NaN s must be finite and above 0 s"),
+        ("1e-12", "its step 0.000000000001 s is too small for a span of 6 s"),
     ] {
         let text = own.replace("step = 0.005", &format!("step = {step}"));
         let sentence = folder.sentence(folder.toml(&text), &SystemOptions::default());
-        assert_eq!(sentence, format!("s.toml, line 12: component rotor: {expected}"));
+        assert_eq!(sentence, format!("s.toml, line 14: component rotor: {expected}"));
     }
     // A variable step: at most the step of the component, for each part.
     let sets = sets(&[("rotor.longest", "0.00501")]);

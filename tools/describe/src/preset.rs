@@ -26,7 +26,7 @@ use physics::models::series_elastic_actuator::MOTOR_DATA;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::de::DeValue;
-pub use values::{Source, StartValues, from_text, unknown};
+pub use values::{Source, StartValues, conversion, from_text, unknown};
 
 /// The built-in presets: name and text of every file in `examples/presets`, in the order of the names.
 const BUILT_IN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/presets.rs"));

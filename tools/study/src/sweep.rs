@@ -425,6 +425,7 @@ mod tests {
             two.figure().unwrap().svg()
         }] {
             assert!(figure.contains("maxon-re40-148877") && figure.contains("bare"));
+            assert!(!figure.contains("rpm rad/s"));
         }
         check_figure(&grid).unwrap();
         let many = vary(&["fan_command=0:1:3", "imposed_speed=0:100:9"]);

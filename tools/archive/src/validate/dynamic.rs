@@ -61,7 +61,7 @@ fn follow(
     let (mut stage, mut doing) = (from, "loading the library".to_owned());
     let mut next = None;
     let arguments: [OsString; 3] = ["probe".into(), file.into(), from.to_string().into()];
-    let work = Work { program, arguments: &arguments, patience, shows_errors: false };
+    let work = Work { program, arguments: &arguments, patience, shows_errors: false, standard_input: None };
     let ending = supervise(&work, &mut |text| match serde_json::from_str(text) {
         Ok(Event::Begin(number, words)) => (stage, doing) = (number, words),
         Ok(Event::Seen(o)) => {

@@ -13,6 +13,7 @@ pub struct Channel(());
 struct Pipe {
     to_parent: Mutex<File>,
     nonce: String,
+    folder: PathBuf,
 }
 
 static PIPE: OnceLock<Pipe> = OnceLock::new();
@@ -34,7 +35,7 @@ fn take_pipes() -> io::Result<()> {
     // Once for each process; a second time would be a mistake that leaves files elsewhere and harms nobody.
     let _ = tempfile::env::override_temp_dir(&folder);
     announce_through(announce);
-    let _ = PIPE.set(Pipe { to_parent: Mutex::new(to_parent), nonce });
+    let _ = PIPE.set(Pipe { to_parent: Mutex::new(to_parent), nonce, folder: folder.clone() });
     std::thread::spawn(move || {
         // Nothing comes any more: this returns at the end of the parent.
         let _ = io::copy(&mut from_parent, &mut io::sink());
@@ -76,6 +77,17 @@ fn pipes() -> io::Result<(File, File)> {
     let from_parent = File::from(io::stdin().as_handle().try_clone_to_owned()?);
     let to_parent = File::from(io::stdout().as_handle().try_clone_to_owned()?);
     Ok((from_parent, to_parent))
+}
+
+/// What the standard input holds: in a child, what its parent has read there.
+pub(crate) fn standard_input() -> io::Result<Vec<u8>> {
+    match PIPE.get() {
+        Some(pipe) => std::fs::read(pipe.folder.join(super::STANDARD_INPUT)),
+        None => {
+            let mut bytes = Vec::new();
+            io::stdin().read_to_end(&mut bytes).map(|_| bytes)
+        }
+    }
 }
 
 /// Reports the name and the archive of an instance to the parent.

@@ -37,7 +37,7 @@ pub(super) fn component_steps(
     let sequence = if algorithm == Algorithm::GaussSeidel { &order.components } else { &in_file };
     let mut component_steps: Vec<ComponentStep> = Vec::new();
     for &component in sequence {
-        let step = parts.structure.components[component].step;
+        let step = parts.structure.components[component].step.as_ref().map(|step| step.seconds);
         let mut component_step =
             ComponentStep { component, fresh: Vec::new(), sets: Vec::new(), gets: Vec::new(), step };
         for (slot, input) in

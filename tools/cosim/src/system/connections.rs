@@ -4,7 +4,7 @@ use super::parts::{Parts, Port};
 use super::settings::{Given, given, owner, refused, setting_error, value};
 use super::structure::{Connection, Direction, End};
 use super::units::{Affine, conversion};
-use crate::{Causality, Error, InputTable, Kind, Unit, Value};
+use crate::{Causality, DisplayUnit, Error, InputTable, Kind, Unit, Value};
 
 /// An input that is connected to an output.
 #[derive(Clone, Debug)]
@@ -51,14 +51,18 @@ pub(crate) struct Connections {
 }
 
 /// Resolves every name; [`Connections::check_open_inputs`] checks the result. `overrides` are settings `component.variable` or inputs of the system that take precedence over
-/// those of the file.
-pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Connections, Error> {
+/// those of the file; with `display_units` their numbers without a unit are in display units.
+pub(crate) fn resolve(
+    parts: Parts,
+    overrides: &[(String, String)],
+    display_units: bool,
+) -> Result<Connections, Error> {
     let structure = parts.structure;
     let mut connections =
         Connections { sets: vec![Vec::new(); structure.components.len()], ..Connections::default() };
     for (index, component) in structure.components.iter().enumerate() {
         for setting in &component.settings {
-            let set = value(parts.description(index), &setting.name, setting, None);
+            let set = value(parts.description(index), &setting.name, setting, None, None);
             connections.put(index, set.map_err(|e| setting_error(component, setting, false, e))?);
         }
     }
@@ -66,14 +70,18 @@ pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Co
     let mut given = given(structure, overrides);
     for Given { setting, asked, used } in &mut given {
         let Some((index, name)) = owner(structure, &setting.name) else { continue };
-        let set = value(parts.description(index), name, setting, None);
+        let description = parts.description(index);
+        let shown = description.variable(name).filter(|_| *asked && display_units);
+        let shown = shown.and_then(|variable| description.display_unit(variable));
+        let set = value(description, name, setting, None, shown.as_ref());
         connections
             .put(index, set.map_err(|e| setting_error(&structure.components[index], setting, *asked, e))?);
         *used = true;
     }
     for (index, connection) in structure.connections.iter().enumerate() {
-        connections.connect(parts, index, connection, &mut given)?;
+        connections.connect(parts, index, connection)?;
     }
+    connections.set_inputs(parts, &mut given, display_units)?;
     if let Some(Given { setting, asked, .. }) = given.iter().find(|g| !g.used) {
         let message = "is neither component.variable nor an input of the system".to_owned();
         return Err(refused(setting, *asked, message));
@@ -89,13 +97,7 @@ impl Connections {
         sets.push((variable, value));
     }
 
-    fn connect(
-        &mut self,
-        parts: Parts,
-        index: usize,
-        connection: &Connection,
-        given: &mut [Given],
-    ) -> Result<(), Error> {
+    fn connect(&mut self, parts: Parts, index: usize, connection: &Connection) -> Result<(), Error> {
         let fault = |message: String| connection.place.fault(format!("{connection}: {message}"));
         let start = find(parts, connection, &connection.start)?;
         let end = find(parts, connection, &connection.end)?;
@@ -151,20 +153,37 @@ impl Connections {
                     convert: way,
                     unit: outer.clone(),
                 });
-                let mut last = None;
-                for entry in given.iter_mut().filter(|g| g.setting.name == *name) {
-                    entry.used = true;
-                    last = Some(entry);
-                }
-                let Some(Given { setting, asked, .. }) = last else { return Ok(()) };
-                let variable = &parts.variable(port).name;
-                let set =
-                    value(parts.description(port.component), variable, setting, Some((outer.as_ref(), way)));
-                let component = &parts.structure.components[port.component];
-                self.put(port.component, set.map_err(|e| setting_error(component, setting, *asked, e))?);
                 Ok(())
             }
         }
+    }
+
+    /// Gives the inputs of the system their values, the last one of each.
+    fn set_inputs(&mut self, parts: Parts, given: &mut [Given], display_units: bool) -> Result<(), Error> {
+        for place in 0..self.system_inputs.len() {
+            let SystemInput { name, port, convert, unit } = self.system_inputs[place].clone();
+            let mut last = None;
+            for entry in given.iter_mut().filter(|g| g.setting.name == name) {
+                entry.used = true;
+                last = Some(entry);
+            }
+            let Some(Given { setting, asked, .. }) = last else { continue };
+            let shown = self.displayed(parts, &name).filter(|_| *asked && display_units);
+            let shown = shown.map(|(_, display)| display);
+            let variable = &parts.variable(port).name;
+            let way = Some((unit.as_ref(), convert));
+            let set = value(parts.description(port.component), variable, setting, way, shown.as_ref());
+            let component = &parts.structure.components[port.component];
+            self.put(port.component, set.map_err(|e| setting_error(component, setting, *asked, e))?);
+        }
+        Ok(())
+    }
+
+    /// The display unit of an input of the system: that of the first variable that has one and takes the numbers as they are.
+    pub(crate) fn displayed(&self, parts: Parts, name: &str) -> Option<(Port, DisplayUnit)> {
+        let same = self.system_inputs.iter().filter(|s| s.name == name && s.convert == Affine::IDENTITY);
+        let display = |port: Port| parts.description(port.component).display_unit(parts.variable(port));
+        same.map(|input| input.port).find_map(|port| Some((port, display(port)?)))
     }
 
     /// A connection between two components.

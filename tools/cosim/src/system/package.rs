@@ -8,8 +8,9 @@ use super::dictionary::{self, Dictionary};
 use super::parameter_files::{self, MAPPING, VALUES};
 use super::parts::{Parts, Port};
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
-use super::structure::{Component, Connection, End, Leg, unit_in};
+use super::structure::{Component, Connection, End, Leg, Time, unit_in};
 use super::tags::{NAMESPACES, Tag, between_ends, document, leaf, list, node, type_tag, unit_tag, within};
+use super::times::{self, Times};
 use super::units::{Affine, unit_of};
 use crate::raw::encoded;
 use crate::{BaseUnit, Causality, Error, Kind, Unit, Value, Variable};
@@ -34,8 +35,10 @@ pub struct SspForm {
 }
 
 pub(crate) fn write(parts: Parts, path: &Path, form: SspForm) -> Result<(), Error> {
-    let mut connections = resolve(parts, &[])?;
+    let mut connections = resolve(parts, &[], false)?;
     connections.check_open_inputs(parts, None)?;
+    let grid = times::grid(parts, Times::default(), None)?;
+    times::check_component_steps(parts, &grid, parts.structure.step.is_some())?;
     let io = Error::io("write", path);
     let resources = resources(&parts.structure.components);
     let parameters = parameter_files::files(parts, &connections).map_err(&io)?;
@@ -194,7 +197,7 @@ impl Document<'_> {
         }
         let mut children = vec![node("ssd:Connectors", &[], connectors)];
         children.extend(self.values(index));
-        children.extend(component.step.map(step_annotation));
+        children.extend(component.step.as_ref().map(|step| step_annotation(step.seconds)));
         node("ssd:Component", &attributes, children)
     }
 
@@ -313,9 +316,11 @@ impl Document<'_> {
     fn experiment(&self) -> Option<Tag> {
         let structure = self.parts.structure;
         // Some tools need a start time.
-        let times = [("startTime", structure.start.or(Some(0.0))), ("stopTime", structure.stop)];
+        let seconds = |time: &Option<Time>| time.as_ref().map(|time| time.seconds);
+        let start = seconds(&structure.start).or(Some(0.0));
+        let times = [("startTime", start), ("stopTime", seconds(&structure.stop))];
         let attributes: Vec<_> = times.into_iter().filter_map(|(n, t)| Some((n, t?.to_string()))).collect();
-        let children = structure.step.map(|step| vec![step_annotation(step)]);
+        let children = seconds(&structure.step).map(|step| vec![step_annotation(step)]);
         let name = "ssd:DefaultExperiment";
         Some(Tag { name, attributes, children })
     }

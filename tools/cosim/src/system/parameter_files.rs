@@ -69,7 +69,7 @@ fn in_effect(
         linear: *linear,
         place: Place { file: "".into(), line: 0 },
     };
-    value(parts.description(component), name, &setting, None)
+    value(parts.description(component), name, &setting, None, None)
         .is_ok_and(|value| connections.sets[component].contains(&value))
 }
 

@@ -7,9 +7,9 @@ use super::order::{Algorithm, order};
 use super::parts::Parts;
 use super::power_bonds::PowerBond;
 use super::record::Record;
+use super::times::{self, Times};
 use super::variable_step::{self, Control};
-use crate::grid::Grid;
-use crate::{Error, InputTable, Log, Recording, number};
+use crate::{Error, InputTable, Log, Recording};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -29,7 +29,8 @@ pub struct SystemOptions {
     pub sets: Vec<(String, String)>,
     /// CSV file of inputs over time, with columns `component.variable` or inputs of the system.
     pub input: Option<PathBuf>,
-    /// Columns `component.variable` without a unit are in the display unit of the variable.
+    /// Numbers without a unit in `sets` and columns without a unit in `input` are in the display unit of the variable, unless the
+    /// connector of the system has another unit than the variable.
     pub display_units: bool,
     /// Coupling algorithm.
     pub algorithm: Algorithm,
@@ -83,7 +84,7 @@ pub fn cosimulate(
 ) -> Result<SystemRun, Error> {
     let parts = system.parts();
     let structure = parts.structure;
-    let mut connections = resolve(parts, &options.sets)?;
+    let mut connections = resolve(parts, &options.sets, options.display_units)?;
     let table = options
         .input
         .as_deref()
@@ -92,14 +93,13 @@ pub fn cosimulate(
     connections.check_open_inputs(parts, table.as_ref())?;
     connections.notes.extend(table.iter().flat_map(InputTable::notes).cloned());
     let order = order(parts, &connections, options.algorithm == Algorithm::JacobiDelayed);
-    let start = options.start.or(structure.start).unwrap_or(0.0);
-    let stop = options.stop.or(structure.stop).unwrap_or(start + 1.0);
-    let proposed = parts.archives.iter().filter_map(|a| a.description().default_experiment.step);
-    let step = options.step.or(structure.step).or(proposed.reduce(f64::min));
     // A variable step has no fixed communication points.
-    let rigid = rigid(parts).filter(|_| options.tolerance.is_none());
-    let grid = Grid::new(start, stop, step, |span| span / 500.0, rigid)?;
-    check_component_steps(parts, grid.step, options.tolerance.is_none())?;
+    let is_fixed = options.tolerance.is_none();
+    let rigid = rigid(parts).filter(|_| is_fixed);
+    let asked = Times { start: options.start, stop: options.stop, step: options.step };
+    let grid = times::grid(parts, asked, rigid)?;
+    let (start, stop) = (grid.start, grid.stop);
+    times::check_component_steps(parts, &grid, is_fixed)?;
     if options.every == Some(0) {
         return Err(Error::option("every", 0, "must be above 0"));
     }
@@ -179,24 +179,6 @@ fn rigid(parts: Parts<'_>) -> Option<&str> {
         |index: &usize| parts.description(*index).co_simulation().is_some_and(|c| c.can_handle_variable_step);
     let index = (0..parts.archives.len()).find(|index| !can(index))?;
     Some(&parts.structure.components[index].name)
-}
-
-/// The step of a component divides that of the system, if this is fixed.
-fn check_component_steps(parts: Parts, step: f64, is_fixed: bool) -> Result<(), Error> {
-    for component in &parts.structure.components {
-        let Some(own) = component.step else { continue };
-        let fault = |what: String| component.place.fault(format!("component {}: {what}", component.name));
-        if !(own > 0.0 && own.is_finite()) {
-            return Err(fault(format!("its step {} s is not above 0", number(own))));
-        }
-        let ratio = step / own;
-        let divides = ratio >= 1.0 - 1e-9 && (ratio - ratio.round()).abs() <= 1e-9 * ratio;
-        if is_fixed && !divides {
-            let (own, step) = (number(own), number(step));
-            return Err(fault(format!("its step {own} s does not divide the communication step {step} s")));
-        }
-    }
-    Ok(())
 }
 
 /// A variable step needs FMUs with variable communication step size and rollback.

@@ -3,7 +3,7 @@ use super::ends::named;
 use super::structure::{Component, Place, Setting, Structure};
 use super::units::{Affine, conversion, unit_of};
 use crate::quantity::{in_unit, number_with_unit};
-use crate::{Error, ModelDescription, Unit, Value};
+use crate::{DisplayUnit, Error, ModelDescription, Unit, Value};
 
 /// A setting with its origin.
 pub(crate) struct Given {
@@ -35,12 +35,14 @@ pub(crate) fn owner<'a>(structure: &Structure, name: &'a str) -> Option<(usize, 
     all.min_by_key(|(_, rest)| rest.len())
 }
 
-/// A setting as a value of the variable `name`. `way` leads from a connector of the system, with its unit, inward.
+/// A setting as a value of the variable `name`. `way` leads from a connector of the system, with its unit, inward. A number without unit is
+/// in the display unit `shown`, where there is one.
 pub(crate) fn value(
     description: &ModelDescription,
     name: &str,
     setting: &Setting,
     way: Option<(Option<&Unit>, Affine)>,
+    shown: Option<&DisplayUnit>,
 ) -> Result<(usize, Value), Error> {
     let variable = description.settable(name)?;
     let place = description.variables.iter().position(|v| v.name == name).unwrap_or(0);
@@ -53,13 +55,17 @@ pub(crate) fn value(
     };
     let beside = setting.linear.then(way);
     let plain = || setting.text.trim().parse().ok().filter(|_: &f64| variable.kind.is_float());
-    let number = match number_with_unit(variable, &setting.text) {
+    let number = match (number_with_unit(variable, &setting.text), shown) {
+        (Some((number, "")), Some(shown)) => Some((shown.back(number), beside)),
+        (None, Some(shown)) => plain().map(|number| (shown.back(number), beside)),
         // The unit in the text is that of the number, whatever the unit of the connector is.
-        Some((number, unit)) => {
+        (Some((number, unit)), _) => {
             let outward = conversion(inner.as_ref(), outer, variable.relative).unwrap_or(Affine::IDENTITY);
             Some((in_unit(description, variable, number, unit)?, outward.then(beside)))
         }
-        None => plain().map(|number| (number, convert.then(beside))).filter(|(_, c)| *c != Affine::IDENTITY),
+        (None, None) => {
+            plain().map(|number| (number, convert.then(beside))).filter(|(_, c)| *c != Affine::IDENTITY)
+        }
     };
     let text =
         number.map_or_else(|| setting.text.clone(), |(number, convert)| convert.of(number).to_string());

@@ -2,7 +2,7 @@
 //! and mappings are read in `bindings.rs`.
 use super::flatten::{Edge, Joint, flat};
 use super::structure::{
-    Component, Connection, Connector, Direction, End, Leg, Place, Setting, Shared, Sort, Structure,
+    Component, Connection, Connector, Direction, End, Leg, Place, Setting, Shared, Sort, Structure, Time,
 };
 use crate::archive::unpacked;
 use crate::xml::{Fault, Xml, child, elements};
@@ -115,7 +115,7 @@ impl Reader {
         file.units(child(root, "Units"))?;
         let system = child(root, "System").ok_or_else(|| file.fault(root, "there is no <System>"))?;
         let experiment = child(root, "DefaultExperiment");
-        let time = |name| experiment.map_or(Ok(None), |n| file.number(n, name));
+        let time = |name| experiment.map_or(Ok(None), |n| time(&file, n, name));
 
         let mut whole = Whole::default();
         self.system(&file, system, "", &[], &mut whole)?;
@@ -414,10 +414,16 @@ fn connection(file: &File, node: Node) -> Result<Connection, Error> {
 }
 
 /// The step size of an annotation that other masters read as well.
-fn step(file: &File, experiment: Node) -> Result<Option<f64>, Error> {
+fn step(file: &File, experiment: Node) -> Result<Option<Time>, Error> {
     let annotation =
         elements(child(experiment, "Annotations")).find(|n| n.attribute("type") == Some(STEP_ANNOTATION));
     let fixed =
         annotation.and_then(|a| a.descendants().find(|n| n.tag_name().name() == "FixedStepAlgorithm"));
-    fixed.map_or(Ok(None), |n| file.number(n, "baseStepSize"))
+    fixed.map_or(Ok(None), |n| time(file, n, "baseStepSize"))
+}
+
+/// A time of an attribute, s.
+fn time(file: &File, node: Node, name: &str) -> Result<Option<Time>, Error> {
+    let seconds: Option<f64> = file.number(node, name)?;
+    Ok(seconds.map(|seconds| Time { seconds, place: file.place(node) }))
 }

@@ -21,6 +21,13 @@ impl Place {
     }
 }
 
+/// A time of a file (s), with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Time {
+    pub(crate) seconds: f64,
+    pub(crate) place: Place,
+}
+
 words! {
     /// What a connector is to the element that has it; parameters can be set but not connected.
     pub(crate) enum Direction {
@@ -85,8 +92,8 @@ pub(crate) struct Shared {
 #[derive(Clone, Debug)]
 pub(crate) struct Component {
     pub(crate) name: String,
-    /// Its communication step (s), where it is shorter than that of the system.
-    pub(crate) step: Option<f64>,
+    /// Its communication step, where it is shorter than that of the system.
+    pub(crate) step: Option<Time>,
     /// The FMU as the file names it, and where that is.
     pub(crate) source: String,
     pub(crate) path: PathBuf,
@@ -161,9 +168,9 @@ impl fmt::Display for Connection {
 #[derive(Clone, Debug)]
 pub(crate) struct Structure {
     pub(crate) name: String,
-    pub(crate) start: Option<f64>,
-    pub(crate) stop: Option<f64>,
-    pub(crate) step: Option<f64>,
+    pub(crate) start: Option<Time>,
+    pub(crate) stop: Option<Time>,
+    pub(crate) step: Option<Time>,
     pub(crate) components: Vec<Component>,
     /// Connectors of the system itself; `None`: those that the connections name.
     pub(crate) connectors: Option<Vec<Connector>>,

@@ -1,5 +1,5 @@
 //! A system in TOML.
-use super::structure::{Component, Connection, End, Leg, Place, Setting, Shared, Structure};
+use super::structure::{self, Component, Connection, End, Leg, Place, Setting, Shared, Structure};
 use super::units::Affine;
 use crate::Error;
 use serde::Deserialize;
@@ -43,9 +43,9 @@ struct Head {
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct Experiment {
-    start: Option<Time>,
-    stop: Option<Time>,
-    step: Option<Time>,
+    start: Option<Spanned<Time>>,
+    stop: Option<Spanned<Time>>,
+    step: Option<Spanned<Time>>,
 }
 
 /// A time in s, or a text with its unit.
@@ -73,7 +73,7 @@ impl TryFrom<Value> for Time {
 struct Entry {
     name: Spanned<String>,
     fmu: String,
-    step: Option<Time>,
+    step: Option<Spanned<Time>>,
     #[serde(default)]
     set: BTreeMap<Spanned<String>, Value>,
 }
@@ -88,6 +88,10 @@ impl Lines<'_> {
     fn place(&self, offset: usize) -> Place {
         let before = &self.text.as_bytes()[..offset.min(self.text.len())];
         Place { file: self.file.clone(), line: 1 + before.iter().filter(|b| **b == b'\n').count() as u32 }
+    }
+
+    fn time(&self, time: Option<Spanned<Time>>) -> Option<structure::Time> {
+        time.map(|time| structure::Time { place: self.of(&time), seconds: time.into_inner().0 })
     }
 
     fn of<T>(&self, item: &Spanned<T>) -> Place {
@@ -167,7 +171,7 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
         let place = lines.of(&entry.name);
         components.push(Component {
             name: entry.name.into_inner(),
-            step: entry.step.map(|Time(s)| s),
+            step: lines.time(entry.step),
             path: folder.join(&entry.fmu),
             source: entry.fmu,
             connectors: None,
@@ -198,9 +202,9 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
     settings.extend(lines.settings(document.system.set)?);
     Ok(Structure {
         name: document.system.name.into_inner(),
-        start: document.experiment.start.map(|Time(s)| s),
-        stop: document.experiment.stop.map(|Time(s)| s),
-        step: document.experiment.step.map(|Time(s)| s),
+        start: lines.time(document.experiment.start),
+        stop: lines.time(document.experiment.stop),
+        step: lines.time(document.experiment.step),
         components,
         connectors: None,
         settings,
@@ -254,7 +258,8 @@ value = 2
 set = ["a.k", "b.port.k"]
 "#;
         let s = parse(text, "s.toml", Path::new("dir")).unwrap();
-        assert_eq!((s.name.as_str(), s.start, s.stop, s.step), ("pair", None, Some(2.5), None));
+        let stop = structure::Time { seconds: 2.5, place: Place { file: "s.toml".into(), line: 11 } };
+        assert_eq!((s.name.as_str(), s.start, s.stop, s.step), ("pair", None, Some(stop), None));
         assert_eq!(s.components[0].path, Path::new("dir/fmus/a.fmu"));
         let settings: Vec<_> =
             s.components[0].settings.iter().map(|s| (&*s.name, &*s.text, s.place.line)).collect();

@@ -7,6 +7,7 @@ use physics::model::{Declaration, Element, Entry};
 use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use units::Conversion;
 
 /// Start values that differ from the declared ones, by value reference.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -230,10 +231,16 @@ fn in_si(entry: &Entry, number: f64, unit: &str) -> Result<f64, String> {
     if unit.is_empty() {
         return Ok(number);
     }
-    let (name, own) = (&entry.name, entry.row.unit.name());
-    let conversion = units::conversion(unit, own, entry.row.relative)
-        .map_err(|refusal| format!("{name} has the unit \"{own}\", not \"{unit}\": {refusal}"))?;
-    Ok(conversion.of(number))
+    Ok(conversion(&entry.name, unit, entry.row.unit.name(), entry.row.relative)?.of(number))
+}
+
+/// The conversion of numbers in `unit` to the unit `own` of the variable `name`; of differences, without offset, if `relative`.
+///
+/// # Errors
+/// One sentence about a unit that does not fit.
+pub fn conversion(name: &str, unit: &str, own: &str, relative: bool) -> Result<Conversion, String> {
+    units::conversion(unit, own, relative)
+        .map_err(|refusal| format!("{name} has the unit \"{own}\", not \"{unit}\": {refusal}"))
 }
 
 fn checked(entry: &Entry, number: f64) -> Result<f64, String> {

@@ -11,6 +11,7 @@ use describe::preset::nearest;
 use physics::declare::Kind;
 use physics::model::Entry;
 use serde::Serialize;
+use units::Conversion;
 
 /// A quantity that a sweep computes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,6 +36,11 @@ pub trait Case: Sync {
     /// # Errors
     /// There is no such variable.
     fn unit(&self, name: &str) -> Result<&'static str, StudyError>;
+    /// The conversion of numbers of a variable in `unit` to SI units.
+    ///
+    /// # Errors
+    /// There is no such variable, or it is of another quantity.
+    fn conversion(&self, name: &str, unit: &str) -> Result<Conversion, StudyError>;
     /// The quantities with these values, set last; `known` is from a point near this one.
     ///
     /// # Errors
@@ -80,6 +86,15 @@ fn unit_of(entry: &Entry) -> &'static str {
         Kind::Enumeration(_) | Kind::Boolean => "1",
         _ => entry.row.unit.name(),
     }
+}
+
+/// The conversion of numbers of a variable in `unit` to SI units; only a variable with a declaration can be a difference.
+fn conversion_of(name: &str, unit: &str, own: &str, entry: Option<&Entry>) -> Result<Conversion, StudyError> {
+    if name == PRESET {
+        return Err(StudyError::new("names of motors have no range"));
+    }
+    let relative = entry.is_some_and(|entry| entry.row.relative);
+    describe::preset::conversion(name, unit, own, relative).map_err(StudyError::new)
 }
 
 /// The names that are varied, without the preset.
@@ -142,6 +157,12 @@ impl Case for ConstantInputs {
 
     fn unit(&self, name: &str) -> Result<&'static str, StudyError> {
         if name == PRESET { Ok("1") } else { Ok(unit_of(self.setup.bench()?.entry(name)?)) }
+    }
+
+    fn conversion(&self, name: &str, unit: &str) -> Result<Conversion, StudyError> {
+        let bench = self.setup.bench()?;
+        let entry = (name != PRESET).then(|| bench.entry(name)).transpose()?;
+        conversion_of(name, unit, self.unit(name)?, entry)
     }
 
     fn at(
@@ -218,6 +239,11 @@ impl Case for Walking {
         }
         let (unit, entry) = self.load.unit(name)?;
         Ok(entry.map_or(unit, unit_of))
+    }
+
+    fn conversion(&self, name: &str, unit: &str) -> Result<Conversion, StudyError> {
+        let entry = if name == PRESET { None } else { self.load.unit(name)?.1 };
+        conversion_of(name, unit, self.unit(name)?, entry)
     }
 
     fn at(

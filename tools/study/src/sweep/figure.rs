@@ -56,8 +56,10 @@ impl Sweep {
         check_lines(lines.len())?;
         for (key, line) in lines {
             let others = self.varied[1..].iter().zip(&self.units[1..]).zip(key);
+            // A word has its unit.
+            let unit = |of: &str, k: &Choice| k.number().map_or(String::new(), |_| unit(" ", of));
             let parts =
-                others.map(|((name, of), k)| format!("{} = {}{}", words(name), k.shown(), unit(" ", of)));
+                others.map(|((name, of), k)| format!("{} = {}{}", words(name), k.shown(), unit(of, k)));
             let label = parts.collect::<Vec<_>>().join(", ");
             figure = match words_of_x.is_empty() {
                 true => figure.line(&label, line),

@@ -1,6 +1,6 @@
 //! What a sweep varies: numbers, items of enumerations, presets.
 
-use super::MAX_POINTS;
+use super::{Case, MAX_POINTS};
 use crate::StudyError;
 use crate::numeric::linspace;
 use serde::Serialize;
@@ -51,47 +51,57 @@ pub struct Vary {
     pub name: String,
     /// Its values.
     pub values: Vec<Choice>,
+    /// The unit of a range; [`Vary::resolved`] gives its values in SI units.
+    unit: Option<String>,
 }
 
+/// The forms of the option.
+const FORMS: &str = "name=from:to:n or name=value,value,...";
+
 impl Vary {
-    /// From `name=from:to:n`, both ends included, or `name=value,value,...`.
+    /// From `name=from:to:n`, both ends included, or `name=value,value,...`; numbers may have units. A unit behind `to` alone is that of
+    /// both ends.
     ///
     /// # Errors
     /// One sentence naming what is wrong.
     pub fn parse(text: &str) -> Result<Vary, StudyError> {
-        let wrong = |why: &str| {
-            StudyError::new(format!("--vary {text}: {why}; expected name=from:to:n or name=value,value,..."))
-        };
-        let (name, range) = text.split_once('=').ok_or_else(|| wrong("there is no ="))?;
+        let wrong = |why: &str| StudyError::new(format!("--vary {text}: {why}; expected {FORMS}"));
+        let (name, values) = text.split_once('=').ok_or_else(|| wrong("there is no ="))?;
         if name.trim().is_empty() {
             return Err(wrong("there is no name"));
         }
         let name = name.trim().to_owned();
-        if !range.contains(':') {
-            let items: Vec<&str> = range.split(',').map(str::trim).collect();
-            if items.iter().any(|item| item.is_empty()) {
-                return Err(wrong("a value is missing"));
-            }
-            let choice = |item: &&str| match item.parse::<f64>() {
-                Ok(number) if number.is_finite() => Ok(Choice::Number(number)),
-                Ok(number) => Err(wrong(&format!("{number} is not a finite number"))),
-                Err(_) => Ok(Choice::Word((*item).to_owned())),
-            };
-            return Ok(Vary { name, values: items.iter().map(choice).collect::<Result<_, _>>()? });
+        if values.contains(':') {
+            let (unit, values) = range(values).map_err(|why| wrong(&why))?;
+            return Ok(Vary { name, values, unit });
         }
-        let parts: Vec<&str> = range.split(':').collect();
-        let [from, to, n] = parts[..] else { return Err(wrong("there are not three numbers behind =")) };
-        let number = |text: &str| {
-            let value = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-            value.ok_or_else(|| wrong(&format!("{text} is not a finite number")))
+        let items: Vec<&str> = values.split(',').map(str::trim).collect();
+        if items.iter().any(|item| item.is_empty()) {
+            return Err(wrong("a value is missing"));
+        }
+        let choice = |item: &&str| match item.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(Choice::Number(number)),
+            Ok(number) => Err(wrong(&format!("{number} is not a finite number"))),
+            Err(_) => Ok(Choice::Word((*item).to_owned())),
         };
-        let (from, to) = (number(from)?, number(to)?);
-        let n: usize =
-            n.trim().parse().map_err(|_| wrong(&format!("{n} is not a whole number of points")))?;
-        if !(1..=MAX_POINTS).contains(&n) {
-            return Err(wrong(&format!("{n} points are not within 1 ... {MAX_POINTS}")));
-        }
-        Ok(Vary { name, values: linspace(from, to, n).into_iter().map(Choice::Number).collect() })
+        Ok(Vary { name, values: items.iter().map(choice).collect::<Result<_, _>>()?, unit: None })
+    }
+
+    /// A range with a unit as numbers in SI units, so that it is drawn on an axis and has ends; all else as it is.
+    ///
+    /// # Errors
+    /// There is no such variable, or its unit is of another quantity.
+    pub fn resolved(&self, case: &dyn Case) -> Result<Vary, StudyError> {
+        let Some(unit) = &self.unit else { return Ok(self.clone()) };
+        let convert = case
+            .conversion(&self.name, unit)
+            .map_err(|why| StudyError::new(format!("--vary {}: {why}", self.name)))?;
+        let in_si = |value: &Choice| match value {
+            Choice::Word(word) => units::split(word)
+                .map_or_else(|| value.clone(), |(number, _)| Choice::Number(convert.of(number))),
+            Choice::Number(_) => value.clone(),
+        };
+        Ok(Vary { name: self.name.clone(), values: self.values.iter().map(in_si).collect(), unit: None })
     }
 
     /// The ends of a range of numbers; all values of a list with words.
@@ -106,5 +116,112 @@ impl Vary {
     /// The numbers, where all values are.
     pub fn numbers(&self) -> Option<Vec<f64>> {
         self.values.iter().map(Choice::number).collect()
+    }
+}
+
+/// Unit and values of `from:to:n`; values with a unit are words, such as a list has.
+fn range(text: &str) -> Result<(Option<String>, Vec<Choice>), String> {
+    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+    let [from, to, n] = parts[..] else { return Err("there are not three numbers behind =".to_owned()) };
+    let points: usize = n.parse().map_err(|_| {
+        let unit = match units::split(n) {
+            Some((_, unit)) if !unit.is_empty() => format!(" (a unit stands behind {to})"),
+            _ => String::new(),
+        };
+        format!("{n} is not a whole number of points{unit}")
+    })?;
+    if !(1..=MAX_POINTS).contains(&points) {
+        return Err(format!("{points} points are not within 1 ... {MAX_POINTS}"));
+    }
+    let [first, last] = [from, to].map(|end| {
+        units::split(end)
+            .filter(|(number, _)| number.is_finite())
+            .ok_or_else(|| format!("{end} is not a finite number"))
+    });
+    let ((first, before), (last, unit)) = (first?, last?);
+    let first = match before {
+        "" => first,
+        before if before == unit => first,
+        _ if unit.is_empty() => {
+            return Err(format!("{from} has a unit and {to} has none: the unit of both stands behind {to}"));
+        }
+        before => in_unit(first, before, unit)?,
+    };
+    let values = linspace(first, last, points).into_iter();
+    if unit.is_empty() {
+        return Ok((None, values.map(Choice::Number).collect()));
+    }
+    Ok((Some(unit.to_owned()), values.map(|value| Choice::Word(format!("{value} {unit}"))).collect()))
+}
+
+/// The number of one end of a range in the unit of the other.
+fn in_unit(number: f64, from: &str, to: &str) -> Result<f64, String> {
+    let [value, difference] = [false, true].map(|relative| units::conversion(from, to, relative));
+    match (value, difference) {
+        (Err(refusal), _) | (_, Err(refusal)) => Err(refusal.to_string()),
+        // Whether the variable is a temperature or a difference of temperatures is not known yet.
+        (Ok(value), Ok(difference)) if value.of(number) != difference.of(number) => {
+            Err(format!("the ends are in {from} and {to}: both must be in one unit"))
+        }
+        (Ok(value), Ok(_)) => Ok(value.of(number)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::steady::Setup;
+    use crate::sweep::{ConstantInputs, Goal, sweep};
+    use std::f64::consts::PI;
+
+    fn resolved(text: &str) -> Result<Vary, String> {
+        let case = ConstantInputs { setup: Setup::new("AnnulusCooledMotor", None, &[]) };
+        Vary::parse(text).and_then(|vary| vary.resolved(&case)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn ranges_have_units_as_lists_do() {
+        let speed = 3000.0 * PI / 30.0;
+        for (text, expected) in [
+            ("imposed_speed=0:3000 rpm:4", [0.0, speed / 3.0, 2.0 * speed / 3.0, speed]),
+            ("imposed_speed=0rpm : 3000 rpm : 4", [0.0, speed / 3.0, 2.0 * speed / 3.0, speed]),
+            ("current_command=0 mA:3 A:4", [0.0, 1.0, 2.0, 3.0]),
+            ("current_command=0:3:4", [0.0, 1.0, 2.0, 3.0]),
+            ("ambient_temperature=20:50 degC:4", [293.15, 303.15, 313.15, 323.15]),
+            ("ambient_temperature=293,15:323,15 K:4", [293.15, 303.15, 313.15, 323.15]),
+            // Equal steps in the unit that is given.
+            ("motor.k_t=100:400 rpm/V:4", [1.0, 2.0, 3.0, 4.0].map(|k| 30.0 / (100.0 * k * PI))),
+        ] {
+            let found = resolved(text).unwrap().numbers().unwrap();
+            let is_close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * b.abs();
+            assert!(found.iter().zip(&expected).all(is_close), "{text}: {found:?}, expected {expected:?}");
+        }
+        for (text, words) in [
+            ("current_command=0 A:5:6", "0 A has a unit and 5 has none: the unit of both stands behind 5"),
+            ("current_command=0:5:6 A", "6 A is not a whole number of points (a unit stands behind 5)"),
+            ("current_command=0:5 V:6", "current_command has the unit \"A\", not \"V\""),
+            ("current_command=0 V:5 A:6", "\"V\" is not a unit of the same quantity as \"A\""),
+            ("ambient_temperature=20 degC:300 K:3", "the ends are in degC and K: both must be in one unit"),
+            ("cooling_mode=0:3 A:3", "\"A\""),
+            ("preset=0:3 A:3", "names of motors have no range"),
+            ("curent_command=0:5 A:6", "did you mean current_command?"),
+        ] {
+            let error = resolved(text).unwrap_err();
+            assert!(error.starts_with("--vary ") && error.contains(words), "{text}: {error}");
+        }
+    }
+
+    /// Also where a caller does not resolve the range, a point has the value with its unit.
+    #[test]
+    fn points_of_a_range_with_a_unit_are_those_of_its_numbers() {
+        let case = ConstantInputs { setup: Setup::new("AnnulusCooledMotor", None, &[]) };
+        let found = |vary: &Vary| {
+            let found =
+                sweep(&case, std::slice::from_ref(vary), &Goal::of("winding_temperature"), |_| {}).unwrap();
+            found.points.iter().map(|p| p.objective.unwrap()).collect::<Vec<_>>()
+        };
+        let range = Vary::parse("ambient_temperature=20:30 degC:2").unwrap();
+        let expected = found(&Vary::parse("ambient_temperature=293.15:303.15:2").unwrap());
+        assert_eq!((found(&range), found(&range.resolved(&case).unwrap())), (expected.clone(), expected));
     }
 }

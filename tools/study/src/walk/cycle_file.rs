@@ -96,9 +96,7 @@ impl Setting {
             split(text).ok_or_else(|| format!("{name} = {text} is not a number{}", in_unit(unit)))?;
         let value = match given {
             "" => number,
-            given => conversion(given, unit, false)
-                .map_err(|refusal| format!("{name} has the unit \"{unit}\", not \"{given}\": {refusal}"))?
-                .of(number),
+            given => describe::preset::conversion(name, given, unit, false)?.of(number),
         };
         if !(low..=high).contains(&value) {
             let unit = if unit == "1" { String::new() } else { format!(" {unit}") };

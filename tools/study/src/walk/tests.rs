@@ -251,6 +251,19 @@ fn usual_columns_are_recognised() {
         ("t_%,M,n\n0,1,1\n", &["time", "a fraction of the period", "the key period"]),
         ("t,force,n\n0,1,1\n", &["none of the columns torque, tau", "t, force, n", "[cycle]"][..]),
         ("t,M,pressure\n0,1,1\n", &["speed, omega", "angle, phi"]),
+        (
+            "# bench\nt,M,speed_Hz\n0,1,1\n",
+            &[
+                ".CSV:2: the column speed_Hz: \"Hz\" is not a unit of the same quantity as \"rad/s\"",
+                "rpm, krpm",
+            ],
+        ),
+        (
+            "t,torque_foo,n\n0,1,1\n",
+            &["the column torque_foo: \"foo\" is not a known unit", "a torque is N.m, mN.m"],
+        ),
+        ("t,M,n [V]\n0,1,1\n", &[".CSV:1: the column n [V]: \"V\" is not", "a speed is rad/s"]),
+        ("t,M,phi_s\n0,1,1\n", &["the column phi_s: \"s\"", "an angle is rad, deg"]),
         ("", &["is empty"]),
     ] {
         let error = read(text).unwrap_err();
