@@ -213,7 +213,10 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         Some(file) => Box::new(Walking { load: args.start.load(file)?, hours: args.load.hours }),
         None => Box::new(ConstantInputs { setup: args.start.setup()? }),
     };
-    let vary = vary.iter().map(|v| v.resolved(case.as_ref())).collect::<Result<Vec<_>, _>>()?;
+    let vary = vary
+        .iter()
+        .map(|v| v.resolved(|name, unit| case.conversion(name, unit)))
+        .collect::<Result<Vec<_>, _>>()?;
     let constraints =
         args.constraints.iter().map(|text| Constraint::parse(text)).collect::<Result<_, _>>()?;
     let goal = Goal { objectives: args.objectives.clone(), constraints };

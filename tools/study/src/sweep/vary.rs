@@ -1,9 +1,10 @@
 //! What a sweep varies: numbers, items of enumerations, presets.
 
-use super::{Case, MAX_POINTS};
+use super::MAX_POINTS;
 use crate::StudyError;
 use crate::numeric::linspace;
 use serde::Serialize;
+use units::Conversion;
 
 /// The name under which the motor is varied.
 pub const PRESET: &str = "preset";
@@ -87,14 +88,17 @@ impl Vary {
         Ok(Vary { name, values: items.iter().map(choice).collect::<Result<_, _>>()?, unit: None })
     }
 
-    /// A range with a unit as numbers in SI units, so that it is drawn on an axis and has ends; all else as it is.
+    /// A range with a unit as numbers in SI units, so that it is drawn on an axis and has ends; all else as it is. `conversion` is that of a
+    /// variable and a unit ([`super::Case::conversion`]).
     ///
     /// # Errors
     /// There is no such variable, or its unit is of another quantity.
-    pub fn resolved(&self, case: &dyn Case) -> Result<Vary, StudyError> {
+    pub fn resolved(
+        &self,
+        conversion: impl Fn(&str, &str) -> Result<Conversion, StudyError>,
+    ) -> Result<Vary, StudyError> {
         let Some(unit) = &self.unit else { return Ok(self.clone()) };
-        let convert = case
-            .conversion(&self.name, unit)
+        let convert = conversion(&self.name, unit)
             .map_err(|why| StudyError::new(format!("--vary {}: {why}", self.name)))?;
         let in_si = |value: &Choice| match value {
             Choice::Word(word) => units::split(word)
@@ -171,12 +175,14 @@ fn in_unit(number: f64, from: &str, to: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
     use crate::steady::Setup;
-    use crate::sweep::{ConstantInputs, Goal, sweep};
+    use crate::sweep::{Case, ConstantInputs, Goal, sweep};
     use std::f64::consts::PI;
 
     fn resolved(text: &str) -> Result<Vary, String> {
         let case = ConstantInputs { setup: Setup::new("AnnulusCooledMotor", None, &[]) };
-        Vary::parse(text).and_then(|vary| vary.resolved(&case)).map_err(|error| error.to_string())
+        Vary::parse(text)
+            .and_then(|vary| vary.resolved(|name, unit| case.conversion(name, unit)))
+            .map_err(|error| error.to_string())
     }
 
     #[test]
@@ -222,6 +228,9 @@ mod tests {
         };
         let range = Vary::parse("ambient_temperature=20:30 degC:2").unwrap();
         let expected = found(&Vary::parse("ambient_temperature=293.15:303.15:2").unwrap());
-        assert_eq!((found(&range), found(&range.resolved(&case).unwrap())), (expected.clone(), expected));
+        assert_eq!(
+            (found(&range), found(&range.resolved(|name, unit| case.conversion(name, unit)).unwrap())),
+            (expected.clone(), expected)
+        );
     }
 }
