@@ -2,8 +2,9 @@
 //!
 //! Three checks, in this order: there are enough readings ([`enough`]); units, signs and columns agree with the model
 //! ([`consistency`]); each sensor works ([`signals`] and [`converter`] from its own readings, [`response`] from its response to the
-//! inputs). A sensor that fails is set aside with a note, in the whole run or in part of it. Data that contradict the model, or runs
-//! without remaining readings, are [`Unusable`], and no search is made.
+//! inputs). A sensor that fails is set aside with a note, in the whole run or in part of it. A run in which the load changed in a gap between
+//! the rows becomes two ([`gaps`]). Data that contradict the model, or runs without remaining readings, are [`Unusable`], and no search is
+//! made.
 //!
 //! The model is that of the preset, unfitted; the checks therefore allow for all parameter values within the priors.
 
