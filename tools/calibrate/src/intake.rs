@@ -131,7 +131,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     if saturated::set_aside(experiment, &fits.predicted, &fits.own()) {
         fits = again(experiment)?;
     }
-    if gaps::split(experiment, preset, fits.own(), deadline)? {
+    if gaps::split(experiment, preset, fits.own(), deadline) {
         fits = again(experiment)?;
     }
     let mut known = Vec::new();

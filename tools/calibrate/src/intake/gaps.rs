@@ -1,9 +1,9 @@
 //! Gaps between rows in which something happened that the rows do not tell.
 //!
-//! e(after) - e(before) = d,   |d| > min(e_s, c s)   and   |d| > [`CERTAIN`] median |e'(t + g) - e'(t)|                     (1)
+//! e(after) - e(before) = d,   |d| > min(e_s, c s)   and   |d| > [`FACTOR`] q(|e'(t + g) - e'(t)|)                     (1)
 //!
 //! e the deviation of a thermometer from the prediction of the fit, which goes on across the gap with the inputs as lines between its two
-//! rows; medians over a few readings; e_s the error of a thermometer that works; c s the
+//! rows; medians over a few readings, q the quantile [`USUAL`]; e_s the error of a thermometer that works; c s the
 //! structure error, c = [`STRUCTURE`] of the variation s of the readings; g the length of the gap; e' the deviation if the run ends
 //! at the gap and another one starts at the readings after it. A motor that was loaded or rested meanwhile is at another temperature than
 //! predicted, and spoils the fit, but with two runs the fit agrees again; the changes of e due to an effect that the model lacks are as
@@ -15,12 +15,15 @@
 
 use super::response::ENOUGH;
 use super::signals::{NEAR, SENSOR_ERROR};
-use super::{Predicted, all_runs, consistency, counted, median, predicted_by, range};
-use crate::CalibrateError;
+use super::{Predicted, all_runs, consistency, counted, median, predicted_by, range, sorted};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Start};
-use crate::levels::{CERTAIN, STRUCTURE};
+use crate::levels::{FACTOR, STRUCTURE};
+
+/// Quantile of the changes of a deviation that are usual. Derivation: 95 % are as sure as any statement here; the changes of the load, at which
+/// an error of the model shows, are more than the rest.
+const USUAL: f64 = 0.95;
 
 /// A gap to end a run at.
 #[derive(Clone, Copy)]
@@ -36,24 +39,28 @@ struct Break {
 }
 
 /// Splits runs at gaps; `predicted` is the prediction of each output by its fit. Result: whether there was one.
-///
-/// # Errors
-/// An experiment whose model cannot be set up.
 pub(super) fn split(
     experiment: &mut Experiment,
     preset: &[(u32, f64)],
     mut predicted: Predicted,
     deadline: &Deadline,
-) -> Result<bool, CalibrateError> {
+) -> bool {
     let mut is_split = false;
     // The gap with the greatest change first: it spoils the fit most, and where it is refuted, smaller ones are.
     while let Some(found) = greatest(experiment, &predicted) {
+        let (from, to) = found.ends;
+        let exceeds = |factor: f64, experiment: &Experiment, shown: &Predicted| {
+            found.change.abs() > factor * usual(experiment, shown, found.output, to - from)
+        };
+        if !exceeds(1.0, experiment, &predicted) {
+            break;
+        }
         let mut apart = experiment.clone();
         let what = cut(&mut apart, found);
-        let Some(fit) = consistency::fit(&apart, preset, deadline)? else { break };
-        let shown = predicted_by(&apart, preset, &all_runs(&apart), &fit, deadline)?;
-        let (from, to) = found.ends;
-        if found.change.abs() <= CERTAIN * usual(&apart, &shown, found.output, to - from) {
+        // A start that the model refuses is no better explanation.
+        let Ok(Some(fit)) = consistency::fit(&apart, preset, deadline) else { break };
+        let Ok(shown) = predicted_by(&apart, preset, &all_runs(&apart), &fit, deadline) else { break };
+        if !exceeds(FACTOR, &apart, &shown) {
             break;
         }
         let (file, column) = (&experiment.runs[found.run].file, experiment.outputs[found.output].column);
@@ -68,7 +75,7 @@ pub(super) fn split(
         (*experiment, predicted) = (apart, shown);
         is_split = true;
     }
-    Ok(is_split)
+    is_split
 }
 
 /// Ends a run at a gap, and begins another one after it; what is too short for a run of its own is left out. Result: this in words.
@@ -130,7 +137,8 @@ fn usual(experiment: &Experiment, predicted: &Predicted, output: usize, seconds:
         let pairs = (0..time.len()).step_by(NEAR).map(|k| (k, later(k))).filter(|(_, j)| *j < time.len());
         pairs.map(|(k, j)| step(&off, k, j).abs()).collect::<Vec<_>>()
     });
-    median(all.filter(|x| x.is_finite()))
+    let all = sorted(all);
+    all.get((USUAL * all.len() as f64) as usize).copied().unwrap_or(0.0)
 }
 
 /// Deviation of an output's readings from a prediction, by row.
