@@ -163,14 +163,16 @@ impl Drive {
 }
 
 impl Bench {
-    /// Temperatures that the sensors of [`Drive::warm`] indicate at the start by (1), K; the first readings where (1) has no solution.
+    /// Temperatures that the sensors of [`Drive::warm`] indicate at the start by (1), K; the first readings where (1) has no solution, or
+    /// one that the model refuses.
     ///
     /// # Errors
     /// The message of the model if it cannot start.
     pub fn first_readings(&self, drive: &Drive, change: &Override) -> Result<Vec<f64>, CalibrateError> {
         let first: Vec<f64> = drive.warm.iter().map(|sensor| sensor.first).collect();
         let Some((step, ..)) = self.estimated_start(drive, change, &first)? else { return Ok(first) };
-        Ok(first.iter().zip(step.iter()).map(|(first, step)| first + step).collect())
+        let solved: Vec<f64> = first.iter().zip(step.iter()).map(|(first, step)| first + step).collect();
+        Ok(if self.begin_at(drive, change, &solved).is_ok() { solved } else { first })
     }
 
     /// Readings of each sensor of [`Drive::warm`] over the rows of (1), K, with the standard deviation relative to the differences between the
@@ -234,8 +236,8 @@ impl Bench {
     }
 
     /// Initialises a model for a run so that the sensors of [`Drive::warm`] indicate these temperatures. A sensor with an offset or a stem
-    /// loss does not indicate its node's temperature, so each initial temperature is corrected iteratively by the deviation of its sensor.
-    /// Returns the initial temperatures.
+    /// loss does not indicate its node's temperature, so each initial temperature is corrected iteratively by the deviation of its sensor,
+    /// as far as the model accepts it: with a steep law of the sensor the iteration may diverge. Returns the initial temperatures.
     ///
     /// # Errors
     /// The message of the model if it cannot start.
@@ -249,9 +251,14 @@ impl Bench {
             drive.warm.iter().zip(indicated).map(|(sensor, value)| (sensor.node, *value)).collect();
         let nodes = nodes(model.declaration());
         let mut tries = 0;
+        let mut accepted: Option<Vec<(Slot, f64)>> = None;
         loop {
             let initial = temperatures(&nodes, &known);
-            model.start_with(&initial, drive.time[0]).map_err(refused)?;
+            if let Err(fault) = model.start_with(&initial, drive.time[0]) {
+                let last = accepted.ok_or_else(|| refused(fault))?;
+                model.start_with(&last, drive.time[0]).map_err(refused)?;
+                return Ok(last);
+            }
             let mut worst = 0.0f64;
             for ((_, at), (sensor, value)) in known.iter_mut().zip(drive.warm.iter().zip(indicated)) {
                 let Some(output) = sensor.output else { continue };
@@ -263,6 +270,7 @@ impl Bench {
             if worst <= SHOWN || tries == TRIES {
                 return Ok(initial);
             }
+            accepted = Some(initial);
         }
     }
 }
