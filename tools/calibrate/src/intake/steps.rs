@@ -93,7 +93,8 @@ impl Steps<'_> {
     pub(super) fn is_sudden(&self, k: usize, size: f64) -> bool {
         let row = self.rows[k];
         let changed = self.record.changed(self.run, self.rows[k.saturating_sub(WIDEST)]..=row);
-        if self.is_after_gap(k) {
+        // The first rows have the error of a measured start, and few readings before them.
+        if k < NEAR || self.is_after_gap(k) {
             return false;
         }
         let law = |(input, _, change): &(usize, f64, f64)| {
