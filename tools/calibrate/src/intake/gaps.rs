@@ -49,18 +49,12 @@ pub(super) fn split(
     // The gap with the greatest change first: it spoils the fit most, and where it is refuted, smaller ones are.
     while let Some(found) = greatest(experiment, &predicted) {
         let (from, to) = found.ends;
-        let exceeds = |factor: f64, experiment: &Experiment, shown: &Predicted| {
-            found.change.abs() > factor * usual(experiment, shown, found.output, to - from)
-        };
-        if !exceeds(1.0, experiment, &predicted) {
-            break;
-        }
         let mut apart = experiment.clone();
         let what = cut(&mut apart, found);
         // A start that the model refuses is no better explanation.
         let Ok(Some(fit)) = consistency::fit(&apart, preset, deadline) else { break };
         let Ok(shown) = predicted_by(&apart, preset, &all_runs(&apart), &fit, deadline) else { break };
-        if !exceeds(FACTOR, &apart, &shown) {
+        if found.change.abs() <= FACTOR * usual(&apart, &shown, found.output, to - from) {
             break;
         }
         let (file, column) = (&experiment.runs[found.run].file, experiment.outputs[found.output].column);
