@@ -12,9 +12,9 @@
 //!
 //! (1 - r)^((n - m) / 2),    n = (sum dy^2)^2 / sum dy^4                                             (2)
 //!
-//! where m is the number of inputs, and n is less than the number of rows if a few steps are most of the change. The longest section without a gap is used. *Assumes*
-//! approximately equidistant rows. A shift common to all channels is not detectable, nor is a shift in a run whose
-//! inputs are nearly constant.
+//! where m is the number of inputs, and n is less than the number of rows if a few steps are most of the change. The longest section
+//! without a gap is used. *Assumes* approximately equidistant rows. A shift common to all channels is not detectable, nor is a shift in a
+//! run whose inputs are nearly constant.
 //! *Source*: cross-correlation of increments, Ljung, System Identification (2nd ed., 1999), ch. 6.1.
 
 use super::{Channel, Run};

@@ -75,8 +75,8 @@ struct Drift {
 }
 
 /// Sets aside the thermometer that drifts, with a note; `fitted` are the predictions of each output's fit. One that drifts spoils the fits in
-/// which others seem to: it is the one without which the rest agrees best. Two do not drift together: in the runs `known`, in which one does, no other one is
-/// looked for. Result: whether one was set aside, so that another may be seen.
+/// which others seem to: it is the one without which the rest agrees best. Two do not drift together: in the runs `known`, in which one
+/// does, no other one is looked for. Result: whether one was set aside, so that another may be seen.
 pub(super) fn set_aside(
     experiment: &mut Experiment,
     preset: &[(u32, f64)],

@@ -91,12 +91,12 @@ impl Steps<'_> {
 
     /// Whether neither a gap nor an input explains it.
     pub(super) fn is_sudden(&self, k: usize, size: f64) -> bool {
-        let row = self.rows[k];
-        let changed = self.record.changed(self.run, self.rows[k.saturating_sub(WIDEST)]..=row);
         // The first rows have the error of a measured start, and few readings before them.
         if k < NEAR || self.is_after_gap(k) {
             return false;
         }
+        let row = self.rows[k];
+        let changed = self.record.changed(self.run, self.rows[k.saturating_sub(WIDEST)]..=row);
         let law = |(input, _, change): &(usize, f64, f64)| {
             self.record.is_law((self.run, row), (*input, *change), size)
         };
