@@ -187,46 +187,75 @@ impl Tangent {
         Ok(tangent)
     }
 
-    /// Variances of the outputs due to white noise on inputs, rows times outputs: due to the same row's reading, and in total. A current
-    /// follows its voltage within a row and takes over its noise. Each direction is that of an input, with the standard deviation of its
+    /// Variances of the outputs due to white noise on inputs, rows times outputs: due to the same row's reading
+    /// ([`direct_variance`](Self::direct_variance)), and in total. Each direction is that of an input, with the standard deviation of its
     /// noise.
     pub fn variance(&self, noises: &[(&Direction, f64)]) -> (Vec<f64>, Vec<f64>) {
         let (n, m, rows) = (self.states, self.outputs, self.drivers.len());
-        let (mut direct, mut whole) = (vec![0.0; rows * m], vec![0.0; rows * m]);
+        let mut whole = vec![0.0; rows * m];
         let mut p = DMatrix::<f64>::zeros(n, n);
-        let mut latest: Vec<DMatrix<f64>> = Vec::new();
         for (direction, sigma) in noises {
             let start = DMatrix::from_column_slice(n, 1, &direction.start) * *sigma;
             p += &start * start.transpose();
         }
+        let mut latest = vec![0.0; n];
         for row in 0..rows {
             for j in 0..m {
-                let seen =
-                    DMatrix::from_row_slice(1, n, &self.seen[(row * m + j) * n..(row * m + j + 1) * n]);
+                let seen = DMatrix::from_row_slice(1, n, self.seen_by(row, j));
                 let at_once: f64 = noises.iter().map(|(d, s)| (d.outputs[row * m + j] * s).powi(2)).sum();
-                let just: f64 = latest.iter().map(|g| (&seen * g)[(0, 0)].powi(2)).sum();
-                direct[row * m + j] = at_once + just;
                 whole[row * m + j] = at_once + (&seen * &p * seen.transpose())[(0, 0)];
             }
             if row + 1 == rows {
                 break;
             }
-            let of = |place: usize| {
-                let from = (3 * row + place) * n * n;
-                DMatrix::from_row_slice(n, n, &self.passes[from..from + n * n])
-            };
-            let (keeps, force) = (of(0), of(1) + of(2));
+            let from = 3 * row * n * n;
+            let keeps = DMatrix::from_row_slice(n, n, &self.passes[from..from + n * n]);
             p = &keeps * &p * keeps.transpose();
-            latest.clear();
             for (direction, sigma) in noises {
-                // A reading acts in the interval before it and in the one after it; both contributions are added.
-                let b = DMatrix::from_column_slice(n, 1, &direction.rates[(row + 1) * n..(row + 2) * n]);
-                let g = &force * b * *sigma;
+                self.latest(direction, row + 1, &mut latest);
+                let g = DMatrix::from_column_slice(n, 1, &latest) * *sigma;
                 p += &g * g.transpose();
-                latest.push(g);
             }
         }
-        (direct, whole)
+        (self.direct_variance(noises), whole)
+    }
+
+    /// The part due to the reading of the same row. A current follows its voltage within a row and takes over its noise.
+    pub fn direct_variance(&self, noises: &[(&Direction, f64)]) -> Vec<f64> {
+        let (m, rows) = (self.outputs, self.drivers.len());
+        let mut direct = vec![0.0; rows * m];
+        let mut latest = vec![0.0; self.states];
+        for (direction, sigma) in noises {
+            for row in 0..rows {
+                self.latest(direction, row, &mut latest);
+                for j in 0..m {
+                    let just: f64 = self.seen_by(row, j).iter().zip(&latest).map(|(c, x)| c * x).sum();
+                    direct[row * m + j] +=
+                        (direction.outputs[row * m + j].powi(2) + just * just) * sigma * sigma;
+                }
+            }
+        }
+        direct
+    }
+
+    /// How the `j`-th output follows the states at a row.
+    fn seen_by(&self, row: usize, j: usize) -> &[f64] {
+        let n = self.states;
+        &self.seen[(row * self.outputs + j) * n..(row * self.outputs + j + 1) * n]
+    }
+
+    /// Change of the states at a row by a reading of this row: it acts in the interval before it and in the one after it; both are added.
+    fn latest(&self, direction: &Direction, row: usize, change: &mut [f64]) {
+        change.fill(0.0);
+        let Some(before) = row.checked_sub(1) else { return };
+        let n = self.states;
+        let at = |place: usize| &self.passes[(3 * before + place) * n * n..(3 * before + place + 1) * n * n];
+        let rates = &direction.rates[row * n..(row + 1) * n];
+        for force in [at(1), at(2)] {
+            for (own, line) in change.iter_mut().zip(force.chunks_exact(n)) {
+                *own += line.iter().zip(rates).map(|(f, b)| f * b).sum::<f64>();
+            }
+        }
     }
 
     /// Response of the outputs, rows times outputs, to a direction multiplied by `shape` at each row.
