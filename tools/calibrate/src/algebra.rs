@@ -53,22 +53,6 @@ pub fn cholesky(mut a: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     Some(Cholesky::pack_dirty(a))
 }
 
-/// Columns of two matrices side by side.
-pub fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut z = DMatrix::zeros(a.nrows(), a.ncols() + b.ncols());
-    z.columns_mut(0, a.ncols()).copy_from(a);
-    z.columns_mut(a.ncols(), b.ncols()).copy_from(b);
-    z
-}
-
-/// Z'Z; `known` are its first rows and columns.
-pub fn squares(z: &DMatrix<f64>, known: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut all = known.clone().resize(z.ncols(), z.ncols(), 0.0);
-    all.columns_range_mut(known.ncols()..).copy_from(&product(z, &z.columns_range(known.ncols()..)));
-    all.fill_lower_triangle_with_upper_triangle();
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

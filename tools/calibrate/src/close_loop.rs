@@ -165,7 +165,7 @@ fn attempt<'a>(
 ) -> Result<Outcome, CalibrateError> {
     let deadline = setup.deadline().clone();
     let measured = setup.noise.clone();
-    setup.first = Arc::default();
+    setup.structure = Arc::default();
     let for_boxes = options.budget.map_or(BOXES.0, |budget| budget.mul_f64(BOXES.1));
     let fit = setup.runs(Role::Fit);
     // At the deadline, the search returns its result so far.

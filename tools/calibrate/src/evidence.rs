@@ -22,7 +22,7 @@ mod prior;
 #[cfg(test)]
 mod tests;
 
-use crate::algebra::{beside, cholesky, product, solve_lower, squares};
+use crate::algebra::{cholesky, product, solve_lower};
 use crate::levels::NEGLIGIBLE;
 use crate::selection::NEAR;
 use drift::Drift;
@@ -57,8 +57,6 @@ pub struct Evidence {
     drift: Arc<Drift>,
     /// Outputs and runs of the values.
     series: Vec<Series>,
-    /// Factors of the values and of all columns: see [`weighted`](Self::weighted). Empty if all are 1.
-    weights: Arc<[f64]>,
     /// Compared covariances of the noise; the first is white noise of the stated size.
     noises: Vec<Noise>,
 }
@@ -85,6 +83,11 @@ impl Noise {
     fn white(r: DVector<f64>, z: DMatrix<f64>, known: &DMatrix<f64>) -> Noise {
         let ztz = squares(&z, known);
         Noise { memory: None, r, z, ztz, determinant: 0.0, states: Vec::new() }
+    }
+
+    /// Columns in units of this noise.
+    fn whitened(&self, series: &[Series], s: &DMatrix<f64>) -> DMatrix<f64> {
+        self.memory.as_ref().map_or_else(|| s.clone(), |memory| memory.whitened(series, s))
     }
 
     /// Residual after the estimate of c.
@@ -142,40 +145,14 @@ impl Evidence {
         knots: &[(f64, usize)],
         series: Vec<Series>,
     ) -> Option<Evidence> {
-        let (drifts, weights) = (Arc::new(Drift::new(knots)?), Arc::default());
-        let mut evidence = Evidence { prior, drift: drifts, series, weights, noises: Vec::new() };
+        let mut evidence =
+            Evidence { prior, drift: Arc::new(Drift::new(knots)?), series, noises: Vec::new() };
         let mut white = Noise::white(r, beside(slopes, drift), &DMatrix::zeros(0, 0));
         let ztr = white.z.tr_mul(&white.r);
         let states = evidence.drifts().iter().map(|drift| evidence.state(&white, &ztr, *drift, 0.0));
         white.states = states.collect::<Option<Vec<_>>>()?;
         evidence.noises.push(white);
         Some(evidence)
-    }
-
-    /// The same with these factors of further columns; the residual and the columns of [`new`](Self::new) have them already.
-    pub fn weighted(self, weights: Vec<f64>) -> Evidence {
-        Evidence { weights: weights.into(), ..self }
-    }
-
-    /// Columns in units of a noise.
-    fn whitened(&self, noise: &Noise, s: &DMatrix<f64>) -> DMatrix<f64> {
-        let s = self.scaled(s);
-        noise
-            .memory
-            .as_ref()
-            .map_or_else(|| s.clone().into_owned(), |memory| memory.whitened(&self.series, &s))
-    }
-
-    /// Columns with their factors.
-    fn scaled<'a>(&self, s: &'a DMatrix<f64>) -> Cow<'a, DMatrix<f64>> {
-        if self.weights.is_empty() {
-            return Cow::Borrowed(s);
-        }
-        let mut scaled = s.clone();
-        for mut column in scaled.column_iter_mut() {
-            column.iter_mut().zip(self.weights.iter()).for_each(|(x, weight)| *x *= weight);
-        }
-        Cow::Owned(scaled)
     }
 
     /// Drifts that are compared.
@@ -186,8 +163,9 @@ impl Evidence {
     /// The null model extended by structure error with the directions `columns` for a size of 1.
     pub fn with_structure(&self, columns: &DMatrix<f64>) -> Option<Evidence> {
         let own = &self.noises[0];
-        let mut white = Noise::white(own.r.clone(), beside(&own.z, &self.scaled(columns)), &own.ztz);
-        let mut other = Evidence { noises: Vec::new(), ..self.clone() };
+        let mut white = Noise::white(own.r.clone(), beside(&own.z, columns), &own.ztz);
+        let (prior, series) = (self.prior.clone(), self.series.clone());
+        let mut other = Evidence { prior, drift: Arc::clone(&self.drift), series, noises: Vec::new() };
         let ztr = white.z.tr_mul(&white.r);
         let plain = own.states.iter().map(|s| other.state(&white, &ztr, s.drift, 0.0));
         let plain = plain.collect::<Option<Vec<_>>>()?;
@@ -394,7 +372,7 @@ impl Evidence {
             Some((s, gain)) => {
                 let (noise, state) =
                     (&self.noises[gain.state.0], &self.noises[gain.state.0].states[gain.state.1]);
-                let s = self.whitened(noise, s);
+                let s = noise.whitened(&self.series, s);
                 let lent = state.factor.solve(&noise.z.tr_mul(&s));
                 (noise.left(&state.c) - (s - &noise.z * lent) * &gain.size).norm_squared()
             }
@@ -421,7 +399,7 @@ impl Evidence {
         let mut c = best.c.clone();
         let mut covariance = best.factor.inverse();
         if let Some((s, gain)) = beside {
-            let lent = best.factor.solve(&noise.z.tr_mul(&self.whitened(noise, s)));
+            let lent = best.factor.solve(&noise.z.tr_mul(&noise.whitened(&self.series, s)));
             c -= &lent * &gain.size;
             covariance += &lent * &gain.covariance * lent.transpose();
         }
@@ -495,6 +473,22 @@ fn rises(sizes: &[State]) -> bool {
 fn vertex([a, b, c]: [f64; 3]) -> f64 {
     let curvature = a - 2.0 * b + c;
     if curvature > 0.0 { (0.5 * (a - c) / curvature).clamp(-1.0, 1.0) } else { 0.0 }
+}
+
+/// Columns of two matrices side by side.
+fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut z = DMatrix::zeros(a.nrows(), a.ncols() + b.ncols());
+    z.columns_mut(0, a.ncols()).copy_from(a);
+    z.columns_mut(a.ncols(), b.ncols()).copy_from(b);
+    z
+}
+
+/// Z'Z; `known` are its first rows and columns.
+fn squares(z: &DMatrix<f64>, known: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut all = known.clone().resize(z.ncols(), z.ncols(), 0.0);
+    all.columns_range_mut(known.ncols()..).copy_from(&product(z, &z.columns_range(known.ncols()..)));
+    all.fill_lower_triangle_with_upper_triangle();
+    all
 }
 
 fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {

@@ -3,16 +3,26 @@
 //!
 //! sigma_y <= sigma_r,   sigma_u <= sigma_r / |dy/du|                                                  (1)
 //!
+//! u' = u + K (r - <r>),   K = J sigma_u^2 / (sigma_s^2 + J^2 sigma_u^2)                              (2)
+//!
 //! sigma_r is the noise of the residual of output y by eq. (2) of `noise.rs`, |dy/du| the rms response of y to an input in the same row. The
 //! model describes changes between rows that eq. (2) takes for noise in the readings themselves.
+//!
+//! (2) is the estimate of an input from its reading and from an output that its noise reaches within a row by J, and whose sensor is the
+//! better one: a current near 0 is known from its own reading, and not from the difference of a voltage and a back-EMF that both vary. r is
+//! the residual of the output, <r> its mean over neighbours that agree to within noise, so that what is slow stays in the residual. It is
+//! used where this output is 0 to within noise: a law over it that makes the model insensitive to its inputs would otherwise explain the
+//! noise.
+//! *Source*: Gelb (ed.), Applied Optimal Estimation (1974), sec. 4.2 (gain K).
 
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::Hypothesis;
-use crate::levels::{NEARLY, NEGLIGIBLE};
+use crate::levels::{CERTAIN, NEARLY, NEGLIGIBLE};
 use crate::noise::{self, is_new_in_every_row, is_stated, least, of_columns};
 use crate::setup::Setup;
+use crate::simulate::smoothed;
 use crate::tangent::Probe;
 use std::sync::Arc;
 
@@ -39,12 +49,57 @@ impl Setup<'_> {
         };
         let remembered = (0..inputs).filter(slow).collect();
         let (direct, _) = self.variances(&slopes, |_| true);
+        let known: Vec<f64> = (0..m).map(|output| self.sigma(output)).collect();
         self.remembered = remembered;
         self.reached = Arc::new(slopes.tangents.into_iter().flat_map(|t| t.drivers).collect());
         for (output, direct) in direct.into_iter().enumerate() {
             self.noise[inputs + output] = self.sigma(output).hypot(direct.sqrt());
             self.lower(output, left[output]);
         }
+        self.correct_inputs(&fitted.hypothesis, &known)
+    }
+
+    /// Eq. (2) for the fit and validation runs; `known` are the deviations of the sensors of the outputs.
+    fn correct_inputs(&mut self, hypothesis: &Hypothesis, known: &[f64]) -> Result<(), CalibrateError> {
+        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let better = |k: &usize| self.sigma(*k).powi(2) > 2.0 * known[*k].powi(2);
+        let ratio = |k: &usize| self.sigma(*k) / known[*k];
+        let Some(output) = (0..m).filter(better).max_by(|a, b| ratio(a).total_cmp(&ratio(b))) else {
+            return Ok(());
+        };
+        let runs = [self.runs(Role::Fit), self.runs(Role::Validate)].concat();
+        let slopes = self.input_sensitivities(hypothesis, &runs)?;
+        let shown = self.exact().show(hypothesis, &runs)?;
+        let mut smooth = Vec::clone(&self.smooth);
+        for (r, run) in runs.iter().enumerate() {
+            let table = &self.experiment.runs[*run].table;
+            let read = &table.columns[inputs + output];
+            let mut left = vec![f64::NAN; table.time.len()];
+            self.each(*run, &shown[r], |row, own, off| {
+                if own == output && read[row].abs() < CERTAIN * self.sigma(output) {
+                    left[row] = off;
+                }
+            });
+            let slow = smoothed(&left, self.sigma(output));
+            let known_of = slopes.further(r, inputs).iter().zip(&self.noise);
+            let direct: Vec<Option<(Vec<f64>, f64)>> = known_of
+                .map(|(d, sigma)| Some((slopes.tangents[r].direct(d.as_ref()?), sigma.powi(2))))
+                .collect();
+            let mut own = self.drives[*run].inputs().to_vec();
+            for row in (0..left.len()).filter(|row| left[*row].is_finite()) {
+                let change = |d: &Option<(Vec<f64>, f64)>| {
+                    d.as_ref().map(|(j, variance)| (j[row * m + output], *variance))
+                };
+                let whole: f64 = direct.iter().filter_map(change).map(|(j, variance)| j * j * variance).sum();
+                let part = (left[row] - slow[row]) / (known[output].powi(2) + whole);
+                for (input, d) in own.iter_mut().zip(&direct) {
+                    input[row] += change(d).map_or(0.0, |(j, variance)| j * variance * part);
+                }
+            }
+            smooth[*run] = self.drives[*run].with_inputs(own).smoothed(&self.noise[..inputs]);
+        }
+        self.smooth = Arc::new(smooth);
+        self.driven = Arc::clone(&self.smooth);
         Ok(())
     }
 

@@ -14,7 +14,6 @@
 //! | [`setup`] | prepared experiment; residuals by row and by block |
 //! | `acting` | whether an effect limited to some runs acts in unfitted ones |
 //! | [`fit`] | parameter estimation of a hypothesis with bounds and priors |
-//! | `first_fit` | structure error and input noise of the first fit, with which later ones are compared |
 //! | `disagreement` | runs that disagree by more than the sensor noise |
 //! | `input_noise` | effect of input noise on the outputs |
 //! | [`tangent`] | model linearised along a run: response to a small perturbation at any port |
@@ -41,7 +40,6 @@ mod disagreement;
 mod estimates;
 pub mod evidence;
 pub mod experiment;
-mod first_fit;
 pub mod fit;
 pub mod hypothesis;
 pub mod initial;

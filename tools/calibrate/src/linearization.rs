@@ -1,6 +1,5 @@
 //! Fitted model linearised along its runs, with its residual: the base point of a search for further effects.
 
-mod input_noise;
 mod null_model;
 #[cfg(test)]
 mod tests;
@@ -141,12 +140,12 @@ impl<'a> Linearization<'a> {
             inputs,
         };
         // The first linearization with all ports determines the structure error.
-        let is_first = ports.len() == Port::ALL.len() && setup.first.structure.get().is_none();
+        let is_first = ports.len() == Port::ALL.len() && setup.structure.get().is_none();
         if is_first || ports.is_empty() {
             point.with_validation = point.validated(&further);
         }
         if is_first {
-            setup.first.structure.get_or_init(|| structure(&point));
+            setup.structure.get_or_init(|| structure(&point));
         }
         point.complete()?;
         // No further search from here; the memory is released, because many linearizations are kept.
@@ -160,7 +159,7 @@ impl<'a> Linearization<'a> {
     fn complete(&mut self) -> Result<(), CalibrateError> {
         let inseparable = || CalibrateError(INSEPARABLE.to_string());
         let values = self.evidence.values();
-        if let Some(columns) = self.setup.first.structure.get().filter(|columns| columns.nrows() >= values) {
+        if let Some(columns) = self.setup.structure.get().filter(|columns| columns.nrows() >= values) {
             let with = self.evidence.with_structure(&columns.rows(0, values).into_owned());
             self.evidence = with.ok_or_else(inseparable)?;
         }
@@ -195,7 +194,7 @@ impl<'a> Linearization<'a> {
         let whole = evidence(self.setup, &self.fitted, &self.runs, &self.slopes, further, self.ports.len())?;
         let own = std::mem::replace(&mut self.evidence, whole);
         if self.ports.len() == Port::ALL.len() {
-            self.setup.first.structure.get_or_init(|| structure(self));
+            self.setup.structure.get_or_init(|| structure(self));
         }
         let cost = self.complete().map(|()| self.evidence.cost());
         self.evidence = own;
@@ -296,7 +295,7 @@ impl<'a> Linearization<'a> {
     /// Rows at which noise hides the sign of a latent input at a port that reverses with the current or the speed.
     fn hidden_at(&self, port: Port) -> impl Fn(&Drivers) -> bool {
         self.hidden(match port {
-            Port::TerminalVoltage | Port::WindingResistance => Some(Driver::Current),
+            Port::TerminalVoltage => Some(Driver::Current),
             Port::DragTorque => Some(Driver::Speed),
             _ => None,
         })

@@ -111,6 +111,11 @@ pub fn choice(port: Port, follows: Follows) -> f64 {
     let drivers = Driver::ALL.iter().filter(|d| !d.is_heat()).count();
     let laws = if matches!(follows, Follows::Both(..)) { drivers * (drivers - 1) / 2 } else { drivers };
     let equal = 2.0 * ((Port::ALL.len() * laws) as f64).ln();
+    equal + if bypasses_the_air(port, follows) { NEAR } else { 0.0 }
+}
+
+/// Whether the fan or the ambient temperature acts inside the motor by a law.
+pub fn bypasses_the_air(port: Port, follows: Follows) -> bool {
     let of_the_air = [Driver::FanCommand, Driver::AmbientTemperature];
     let is_outside = matches!(
         port,
@@ -121,8 +126,7 @@ pub fn choice(port: Port, follows: Follows) -> f64 {
             | Port::HousingSensor
             | Port::TorqueSensor
     );
-    let is_odd = follows.drivers().any(|driver| of_the_air.contains(&driver));
-    equal + if is_odd && !is_outside { NEAR } else { 0.0 }
+    !is_outside && follows.drivers().any(|driver| of_the_air.contains(&driver))
 }
 
 /// The temperature of the node at which a port acts, and that of the other node.

@@ -3,15 +3,15 @@
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Prior, Role, Run};
-use crate::first_fit::FirstFit;
 use crate::hypothesis::Hypothesis;
 use crate::noise;
 use crate::overrides::Override;
 use crate::parallel;
 use crate::simulate::{Bench, Drive};
+use nalgebra::DMatrix;
 use physics::model::{Entry, Slot};
 use physics::terms::Drivers;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Relaxation of the integration tolerance for the many simulations of a search. Numerical: seven times faster, at most 0.03 mK error.
 pub const EASE: f64 = 100.0;
@@ -129,8 +129,8 @@ pub struct Setup<'a> {
     pub remembered: Vec<usize>,
     /// Drivers predicted by the fit without added effects at the rows of the fit runs; they set the range of each driver in the search.
     pub reached: Arc<Vec<Drivers>>,
-    /// What the first fit that is evaluated determines.
-    pub first: Arc<FirstFit>,
+    /// Directions of the structure error along the fit runs, linearised at the first fit that is evaluated.
+    pub structure: Arc<OnceLock<DMatrix<f64>>>,
     /// Time window of each run: from and to, s.
     pub windows: Vec<(f64, f64)>,
     /// Blocks of each run; shared by the copies of the setup.
@@ -188,7 +188,7 @@ impl<'a> Setup<'a> {
             between: Vec::new(),
             remembered: Vec::new(),
             reached: Arc::default(),
-            first: Arc::default(),
+            structure: Arc::default(),
             windows,
             blocks,
         };

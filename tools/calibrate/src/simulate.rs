@@ -340,7 +340,7 @@ impl Drive {
     pub fn with_input_moved(&self, input: usize, way: f64) -> Drive {
         let mut inputs = self.inputs.clone();
         inputs[input].iter_mut().for_each(|x| *x += way);
-        Drive { inputs, ..self.clone() }
+        self.with_inputs(inputs)
     }
 
     /// Inputs by row, in the experiment's order, in SI units, without blanks.
@@ -353,11 +353,16 @@ impl Drive {
     /// averaged again over a longer window; otherwise noise would dominate at standstill.
     pub fn smoothed(&self, noise: &[f64]) -> Drive {
         let smooth = |(column, sigma): (&Vec<f64>, &f64)| -> Vec<f64> {
-            let once = means_of_alike(column, REACH, CERTAIN * sigma);
+            let once = smoothed(column, *sigma);
             let left = sigma / ((2 * REACH + 1) as f64).sqrt();
             means_of_alike(&once, FAR, CERTAIN * left)
         };
-        Drive { inputs: self.inputs.iter().zip(noise).map(smooth).collect(), ..self.clone() }
+        self.with_inputs(self.inputs.iter().zip(noise).map(smooth).collect())
+    }
+
+    /// Copy with other inputs.
+    pub fn with_inputs(&self, inputs: Vec<Vec<f64>>) -> Drive {
+        Drive { inputs, ..self.clone() }
     }
 
     /// Sets the inputs of a row in a model.
@@ -366,6 +371,11 @@ impl Drive {
             model.set(*slot, input[row]);
         }
     }
+}
+
+/// Means of neighbouring values that agree to within noise of this deviation.
+pub fn smoothed(column: &[f64], sigma: f64) -> Vec<f64> {
+    means_of_alike(column, REACH, CERTAIN * sigma)
 }
 
 /// Means over each value and its neighbours up to `reach` rows away, as long as these and all values between differ by less than `size`.

@@ -220,19 +220,25 @@ impl Tangent {
         (self.direct_variance(noises), whole)
     }
 
-    /// The part due to the reading of the same row. A current follows its voltage within a row and takes over its noise.
+    /// The part due to the reading of the same row.
     pub fn direct_variance(&self, noises: &[(&Direction, f64)]) -> Vec<f64> {
-        let (m, rows) = (self.outputs, self.drivers.len());
-        let mut direct = vec![0.0; rows * m];
-        let mut latest = vec![0.0; self.states];
+        let mut variance = vec![0.0; self.drivers.len() * self.outputs];
         for (direction, sigma) in noises {
-            for row in 0..rows {
-                self.latest(direction, row, &mut latest);
-                for j in 0..m {
-                    let just: f64 = self.seen_by(row, j).iter().zip(&latest).map(|(c, x)| c * x).sum();
-                    direct[row * m + j] +=
-                        (direction.outputs[row * m + j].powi(2) + just * just) * sigma * sigma;
-                }
+            let direct = self.direct(direction);
+            variance.iter_mut().zip(direct).for_each(|(sum, change)| *sum += (change * sigma).powi(2));
+        }
+        variance
+    }
+
+    /// Change of the outputs by the reading of an input in the same row, rows times outputs. A current follows its voltage within a row and
+    /// takes over its noise.
+    pub fn direct(&self, direction: &Direction) -> Vec<f64> {
+        let mut direct = direction.outputs.clone();
+        let mut latest = vec![0.0; self.states];
+        for (row, own) in direct.chunks_exact_mut(self.outputs).enumerate() {
+            self.latest(direction, row, &mut latest);
+            for (j, own) in own.iter_mut().enumerate() {
+                *own += self.seen_by(row, j).iter().zip(&latest).map(|(c, x)| c * x).sum::<f64>();
             }
         }
         direct

@@ -38,7 +38,7 @@ impl Evidence {
     /// Eq. (3) for each column alone. Z is read once for all of them.
     pub fn gains(&self, s: &DMatrix<f64>) -> Vec<Option<Gain>> {
         let of = |noise: &Noise| {
-            let s = self.whitened(noise, s);
+            let s = noise.whitened(&self.series, s);
             let squares = DMatrix::from_fn(1, s.ncols(), |_, k| s.column(k).norm_squared());
             Seen::new(noise, &s, squares)
         };
@@ -50,7 +50,7 @@ impl Evidence {
     /// The products of columns with the null model, for each covariance of the noise.
     pub(super) fn seen(&self, s: &DMatrix<f64>) -> Vec<Seen> {
         let of = |noise: &Noise| {
-            let s = self.whitened(noise, s);
+            let s = noise.whitened(&self.series, s);
             let sts = product(&s, &s);
             Seen::new(noise, &s, sts)
         };

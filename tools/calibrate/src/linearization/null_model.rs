@@ -1,7 +1,6 @@
 //! The null model of a linearised model: residual, parameters, zero offsets and drift of the sensors, noise of the inputs.
 
 use super::INSEPARABLE;
-use super::input_noise::weights;
 use crate::CalibrateError;
 use crate::evidence::{Evidence, Prior, Series};
 use crate::experiment::Channel;
@@ -152,10 +151,6 @@ pub(super) fn evidence(
             }
         }
     }
-    let weights = weights(setup, runs, slopes, further, before_inputs);
-    for column in columns.iter_mut().chain([&mut residual]) {
-        column.iter_mut().zip(&weights).for_each(|(x, weight)| *x *= weight);
-    }
     let matrix = |columns: &[Vec<f64>]| {
         DMatrix::from_iterator(blocks, columns.len(), columns.iter().flatten().copied())
     };
@@ -177,6 +172,5 @@ pub(super) fn evidence(
         prior.table(place, &values, precision, &scales[place..]);
     }
     Evidence::new(DVector::from_vec(residual), &slopes, prior, &drift, &knots, series)
-        .map(|evidence| evidence.weighted(weights))
         .ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))
 }

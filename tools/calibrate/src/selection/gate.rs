@@ -62,6 +62,11 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
             "the validation runs are hardly predicted better: -2 ln p falls by {gain:.1}; {NEAR} is asked for"
         )
     });
+    // The density is one to first order about the fit: without a better fit or a smaller error it says nothing.
+    let of_nothing = validated.and_then(|v| v.density).filter(|gain| white - gain < LEAST).and(validation);
+    let of_nothing = of_nothing.filter(|ratio| *ratio >= 1.0 - STRUCTURE).map(|ratio| {
+        format!("neither the fit runs nor the error of the validation runs, {ratio:.3} times that without it, show it")
+    });
     // Held-out parts have no null model of their own.
     let of_parts = validated.filter(|v| v.density.is_none()).and_then(|v| {
         let ratio = v.ratio();
@@ -85,7 +90,7 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
         let channel = before.setup.experiment.outputs[output].column;
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
-    let refused = of_instruments.or(of_density).or(of_parts).or(of_output);
+    let refused = of_instruments.or(of_density).or(of_nothing).or(of_parts).or(of_output);
     Ok(Judged { validation, refused })
 }
 

@@ -4,7 +4,7 @@ use super::{ALIKE, Candidate, NEAR, asked};
 use crate::hypothesis::Addition;
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
-use crate::search::temperatures;
+use crate::search::{bypasses_the_air, temperatures};
 use physics::terms::{Driver, Port};
 
 /// Of candidates that explain as much as a law, that which predicts the validation runs best comes first, if it predicts them better
@@ -67,8 +67,8 @@ fn density(candidate: &Candidate) -> f64 {
 }
 
 /// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
-/// sensor error that depends on the motor, an effect at a node depends on the temperature of that node, and a driver that is measured is
-/// preferred to a heat flow that the model computes from it.
+/// sensor error that depends on the motor, the fan cools the housing and does not heat the winding, an effect at a node depends on the
+/// temperature of that node, and a driver that is measured is preferred to a heat flow that the model computes from it.
 pub fn order_by_likelihood(candidates: &[Candidate], order: &mut [usize]) {
     let unnamed = |k: &usize| !candidates[*k].addition().is_listed();
     for strange in ODDITIES {
@@ -81,7 +81,7 @@ pub fn order_by_likelihood(candidates: &[Candidate], order: &mut [usize]) {
             let other = &candidates[*k];
             unnamed(k)
                 && !strange(other.addition())
-                && (is_sensor(best.addition().port) || other.addition().port == best.addition().port)
+                && may_replace(other.addition().port, best.addition())
                 && best.sure() - other.sure() < ALIKE
         };
         if let Some(other) = order.iter().position(as_well) {
@@ -90,8 +90,19 @@ pub fn order_by_likelihood(candidates: &[Candidate], order: &mut [usize]) {
     }
 }
 
+/// Whether a law at a port may be the usual form of an odd one.
+fn may_replace(port: Port, odd: &Addition) -> bool {
+    let is_in_the_air = matches!(port, Port::HousingAmbientConductance | Port::FanFlow);
+    port == odd.port || is_sensor(odd.port) || (acts_past_the_air(odd) && is_in_the_air)
+}
+
 /// Reasons for which a law is less probable before any data.
-const ODDITIES: [fn(&Addition) -> bool; 3] = [is_at_a_sensor, follows_another_node, follows_a_heat];
+const ODDITIES: [fn(&Addition) -> bool; 4] =
+    [is_at_a_sensor, acts_past_the_air, follows_another_node, follows_a_heat];
+
+fn acts_past_the_air(addition: &Addition) -> bool {
+    bypasses_the_air(addition.port, addition.follows)
+}
 
 fn is_at_a_sensor(addition: &Addition) -> bool {
     is_sensor(addition.port)
