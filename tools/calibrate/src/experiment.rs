@@ -363,7 +363,9 @@ fn channels(
         let first = possible.iter().find(|c| c.is_named(name)).copied();
         let channel = first.or_else(|| Channel::further(name, &further)).ok_or_else(|| {
             let all: Vec<&str> = possible.iter().map(|c| c.column).collect();
-            let message = format!("{name} is no {word} of {}; there is {}", declaration.name, all.join(", "));
+            let message = columns::other_unit(name, possible.iter().copied()).unwrap_or_else(|| {
+                format!("{name} is no {word} of {}; there is {}", declaration.name, all.join(", "))
+            });
             place.at(column.span().start, &message)
         })?;
         if found.contains(&channel) {

@@ -81,6 +81,26 @@ fn quantity(name: &str) -> Option<(&'static str, Unit)> {
     first().or_else(|| Channel::further(name, &outputs())).map(|c| (c.column, c.unit))
 }
 
+/// Sentence on a name that is the quantity of a channel with another unit than its column has; `None` if it is none.
+pub fn other_unit<'a>(name: &str, channels: impl Iterator<Item = &'a Channel>) -> Option<String> {
+    let rest = |c: &'a Channel| Some((c, name.strip_prefix(c.quantity())?.strip_prefix('_')?));
+    // The longest quantity that fits; a number is that of a further sensor.
+    let is_unit = |(_, unit): &(&Channel, &str)| !unit.starts_with(|c: char| c.is_ascii_digit());
+    let (channel, unit) = channels.filter_map(rest).filter(is_unit).min_by_key(|(_, unit)| unit.len())?;
+    let (quantity, column, unit) = (channel.quantity(), channel.column, unit.replace("_per_", "/"));
+    Some(if units::by_name(channel.unit, &unit).is_some() {
+        format!(
+            "{name} is {column} in another unit: [columns] with \"{name}\" = {{ name = \"{quantity}\", unit = \"{unit}\" }} converts it, \
+             and {column} is its name elsewhere"
+        )
+    } else {
+        let known = units::names(channel.unit).join(", ");
+        format!(
+            "{name} ends with \"{unit}\", which is no unit of {quantity}; there is {known}, stated in [columns]"
+        )
+    })
+}
+
 impl Channel {
     /// The quantity: the column without its unit.
     pub fn quantity(&self) -> &'static str {
@@ -91,5 +111,32 @@ impl Channel {
     /// Whether the name is its column or its quantity.
     pub fn is_named(&self, name: &str) -> bool {
         self.column == name || self.quantity() == name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A name with another unit states the line of `[columns]`; one with a unit of something else states the units; others are no quantity.
+    #[test]
+    fn a_name_with_another_unit_says_what_to_do() {
+        let of = |name: &str| other_unit(name, CHANNELS.iter());
+        for (name, quantity, unit) in [
+            ("current_mA", "current", "mA"),
+            ("housing_temperature_K", "housing_temperature", "K"),
+            ("speed_rev_per_s", "speed", "rev/s"),
+            ("electrical_power_kW", "electrical_power", "kW"),
+        ] {
+            let line = format!("\"{name}\" = {{ name = \"{quantity}\", unit = \"{unit}\" }}");
+            assert!(of(name).unwrap().contains(&line), "{:?}", of(name));
+        }
+        for (name, sentence) in [
+            ("speed_Hz", "\"Hz\", which is no unit of speed; there is rad/s, rpm"),
+            ("winding_temperature_V", "\"V\", which is no unit of winding_temperature; there is degC, K"),
+        ] {
+            assert!(of(name).unwrap().contains(sentence), "{:?}", of(name));
+        }
+        assert_eq!((of("currant_A"), of("speed"), of("temperature_degC")), (None, None, None));
     }
 }

@@ -1,7 +1,7 @@
 //! One CSV file of a run: validated, converted to SI units, blanks as missing readings.
 
-use super::channel::Channel;
-use super::columns::{Column, TIME};
+use super::channel::{CHANNELS, Channel};
+use super::columns::{Column, TIME, other_unit};
 use super::stamp::{DAY, Stamp};
 use super::units::FileUnit;
 use crate::CalibrateError;
@@ -9,7 +9,7 @@ use delimited::Row;
 use std::path::Path;
 
 /// Contents of a file, in SI units.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// Time of each row, s, ascending.
     pub time: Vec<f64>,
@@ -24,6 +24,10 @@ pub struct Table {
 /// A pause longer than this many times the usual sampling interval is noted as a gap. Definition: of a gap; the simulation continues
 /// across it.
 const GAP: f64 = 5.0;
+/// Intervals before and after a gap from which the usual one is taken. Numerical: the median of ten is that of the logger's setting.
+const NEARBY: usize = 10;
+/// Number of gaps from which a note counts them. Numerical: a reader sees three at a glance.
+const FEW_GAPS: usize = 4;
 
 impl Table {
     /// Reads the requested channels from a file. `wanted` has the order of [`Table::columns`], `mapped` are the
@@ -124,22 +128,37 @@ impl Table {
         Ok(table)
     }
 
-    /// The rows that are followed by a gap.
+    /// The rows that are followed by a gap: an interval far above the usual one of the rows before it and of those after it. A logger may
+    /// change its interval.
     pub fn gaps(&self) -> impl Iterator<Item = usize> {
         let steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
-        let mut sorted = steps.clone();
-        sorted.sort_by(f64::total_cmp);
-        let usual = sorted[sorted.len() / 2];
-        (0..steps.len()).filter(move |row| steps[*row] > GAP * usual)
+        let usual = |near: &[f64]| {
+            let mut sorted = near.to_vec();
+            sorted.sort_by(f64::total_cmp);
+            sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+        };
+        (0..steps.len()).filter(move |row| {
+            let before = usual(&steps[row.saturating_sub(NEARBY)..*row]);
+            let after = usual(&steps[row + 1..steps.len().min(row + 1 + NEARBY)]);
+            let usual = before.max(after);
+            usual > 0.0 && steps[*row] > GAP * usual
+        })
     }
 
     /// Gaps are reported in a note; the simulation continues across them.
     fn note_gaps(&mut self, file: &str) {
-        let ends = self.gaps().map(|row| (self.time[row], self.time[row + 1]));
-        let sentences: Vec<String> = ends
-            .map(|(from, to)| format!("{file}: no rows from {from} s to {to} s; simulated across"))
-            .collect();
-        self.notes.extend(sentences);
+        let ends: Vec<(f64, f64)> = self.gaps().map(|row| (self.time[row], self.time[row + 1])).collect();
+        let longest = ends.iter().copied().max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
+        match (longest, ends.len()) {
+            (Some((from, to)), FEW_GAPS..) => self.notes.push(format!(
+                "{file}: {} gaps without rows, the longest from {from} s to {to} s; simulated across",
+                ends.len()
+            )),
+            _ => self.notes.extend(
+                ends.iter()
+                    .map(|(from, to)| format!("{file}: no rows from {from} s to {to} s; simulated across")),
+            ),
+        }
     }
 }
 
@@ -155,11 +174,15 @@ fn source(header: &[String], column: &str, mapped: &[Column]) -> Result<(usize, 
             let names: Vec<&str> =
                 mapped.iter().filter(|c| c.column == column).map(|c| c.header.as_str()).collect();
             let or = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
-            format!(
-                "the column {column}{or} is missing; there is {}. [columns] can map another header to it; not_measured = \
-                 [\"{column}\"] in [[run]] states that this run did not measure an output",
-                header.join(", ")
-            )
+            let channel = || CHANNELS.iter().filter(|c| c.column == column);
+            match header.iter().find_map(|name| other_unit(name, channel())) {
+                Some(sentence) => format!("the column {column}{or} is missing; {sentence}"),
+                None => format!(
+                    "the column {column}{or} is missing; there is {}. [columns] can map another header to it; not_measured = \
+                     [\"{column}\"] in [[run]] states that this run did not measure an output",
+                    header.join(", ")
+                ),
+            }
         }),
     }
 }
@@ -195,6 +218,34 @@ fn number(cell: &str, column: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A logger that changes its interval, also more than once, leaves no gap; one that stops does, also at both intervals.
+    #[test]
+    fn an_interval_that_changes_is_no_gap() {
+        let gaps = |steps: &[(usize, f64)]| {
+            let mut table = Table { time: vec![0.0], ..Table::default() };
+            for (count, step) in steps {
+                for _ in 0..*count {
+                    table.time.push(table.time[table.time.len() - 1] + step);
+                }
+            }
+            table.note_gaps("a.csv");
+            (table.gaps().collect::<Vec<_>>(), table.notes)
+        };
+        for steady in
+            [&[(100, 1.0), (30, 20.0)][..], &[(60, 0.1), (20, 2.0), (60, 0.1), (20, 60.0)], &[(1, 9.0)]]
+        {
+            assert_eq!(gaps(steady), (vec![], vec![]), "{steady:?}");
+        }
+        let (rows, notes) = gaps(&[(100, 1.0), (1, 40.0), (50, 1.0), (30, 10.0), (1, 80.0), (30, 10.0)]);
+        assert_eq!((rows, notes.len()), (vec![100, 181], 2));
+        // Bursts of ten rows.
+        let bursts: Vec<(usize, f64)> =
+            (0..12).map(|k| if k % 2 == 0 { (10, 1.0) } else { (1, 50.0) }).collect();
+        let (rows, notes) = gaps(&bursts[..11]);
+        assert_eq!(rows.len(), 5);
+        assert!(notes.len() == 1 && notes[0].contains("5 gaps without rows"), "{notes:?}");
+    }
 
     fn read(text: &str) -> Result<Table, CalibrateError> {
         let wanted = ["current_A", "winding_temperature_degC"].map(|c| Channel::of(c).unwrap());

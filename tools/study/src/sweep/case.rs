@@ -90,9 +90,6 @@ fn unit_of(entry: &Entry) -> &'static str {
 
 /// The conversion of numbers of a variable in `unit` to SI units; only a variable with a declaration can be a difference.
 fn conversion_of(name: &str, unit: &str, own: &str, entry: Option<&Entry>) -> Result<Conversion, StudyError> {
-    if name == PRESET {
-        return Err(StudyError::new("names of motors have no range"));
-    }
     let relative = entry.is_some_and(|entry| entry.row.relative);
     describe::preset::conversion(name, unit, own, relative).map_err(StudyError::new)
 }
@@ -161,8 +158,7 @@ impl Case for ConstantInputs {
 
     fn conversion(&self, name: &str, unit: &str) -> Result<Conversion, StudyError> {
         let bench = self.setup.bench()?;
-        let entry = (name != PRESET).then(|| bench.entry(name)).transpose()?;
-        conversion_of(name, unit, self.unit(name)?, entry)
+        conversion_of(name, unit, self.unit(name)?, Some(bench.entry(name)?))
     }
 
     fn at(
@@ -242,8 +238,7 @@ impl Case for Walking {
     }
 
     fn conversion(&self, name: &str, unit: &str) -> Result<Conversion, StudyError> {
-        let entry = if name == PRESET { None } else { self.load.unit(name)?.1 };
-        conversion_of(name, unit, self.unit(name)?, entry)
+        conversion_of(name, unit, self.unit(name)?, self.load.unit(name)?.1)
     }
 
     fn at(

@@ -50,10 +50,8 @@ impl Choice {
 pub struct Vary {
     /// Name of an input or a parameter, or [`PRESET`].
     pub name: String,
-    /// Its values.
+    /// Its values; [`Vary::resolved`] gives those with a unit in SI units.
     pub values: Vec<Choice>,
-    /// The unit of a range; [`Vary::resolved`] gives its values in SI units.
-    unit: Option<String>,
 }
 
 /// The forms of the option.
@@ -73,8 +71,10 @@ impl Vary {
         }
         let name = name.trim().to_owned();
         if values.contains(':') {
-            let (unit, values) = range(values).map_err(|why| wrong(&why))?;
-            return Ok(Vary { name, values, unit });
+            if name == PRESET {
+                return Err(wrong("names of motors have no range"));
+            }
+            return Ok(Vary { name, values: range(values).map_err(|why| wrong(&why))? });
         }
         let items: Vec<&str> = values.split(',').map(str::trim).collect();
         if items.iter().any(|item| item.is_empty()) {
@@ -85,11 +85,11 @@ impl Vary {
             Ok(number) => Err(wrong(&format!("{number} is not a finite number"))),
             Err(_) => Ok(Choice::Word((*item).to_owned())),
         };
-        Ok(Vary { name, values: items.iter().map(choice).collect::<Result<_, _>>()?, unit: None })
+        Ok(Vary { name, values: items.iter().map(choice).collect::<Result<_, _>>()? })
     }
 
-    /// A range with a unit as numbers in SI units, so that it is drawn on an axis and has ends; all else as it is. `conversion` is that of a
-    /// variable and a unit ([`super::Case::conversion`]).
+    /// Values with a unit as numbers in SI units, so that they are drawn on an axis and have ends; items and motors as they are.
+    /// `conversion` is that of a variable and a unit ([`super::Case::conversion`]).
     ///
     /// # Errors
     /// There is no such variable, or its unit is of another quantity.
@@ -97,15 +97,16 @@ impl Vary {
         &self,
         conversion: impl Fn(&str, &str) -> Result<Conversion, StudyError>,
     ) -> Result<Vary, StudyError> {
-        let Some(unit) = &self.unit else { return Ok(self.clone()) };
-        let convert = conversion(&self.name, unit)
-            .map_err(|why| StudyError::new(format!("--vary {}: {why}", self.name)))?;
         let in_si = |value: &Choice| match value {
-            Choice::Word(word) => units::split(word)
-                .map_or_else(|| value.clone(), |(number, _)| Choice::Number(convert.of(number))),
-            Choice::Number(_) => value.clone(),
+            Choice::Word(word) if self.name != PRESET => match units::split(word) {
+                Some((number, unit)) => Ok(Choice::Number(conversion(&self.name, unit)?.of(number))),
+                None => Ok(value.clone()),
+            },
+            _ => Ok(value.clone()),
         };
-        Ok(Vary { name: self.name.clone(), values: self.values.iter().map(in_si).collect(), unit: None })
+        let values = self.values.iter().map(in_si).collect::<Result<_, StudyError>>();
+        let values = values.map_err(|why| StudyError::new(format!("--vary {}: {why}", self.name)))?;
+        Ok(Vary { name: self.name.clone(), values })
     }
 
     /// The ends of a range of numbers; all values of a list with words.
@@ -123,8 +124,8 @@ impl Vary {
     }
 }
 
-/// Unit and values of `from:to:n`; values with a unit are words, such as a list has.
-fn range(text: &str) -> Result<(Option<String>, Vec<Choice>), String> {
+/// Values of `from:to:n`; those with a unit are words, such as a list has.
+fn range(text: &str) -> Result<Vec<Choice>, String> {
     let parts: Vec<&str> = text.split(':').map(str::trim).collect();
     let [from, to, n] = parts[..] else { return Err("there are not three numbers behind =".to_owned()) };
     let points: usize = n.parse().map_err(|_| {
@@ -153,9 +154,9 @@ fn range(text: &str) -> Result<(Option<String>, Vec<Choice>), String> {
     };
     let values = linspace(first, last, points).into_iter();
     if unit.is_empty() {
-        return Ok((None, values.map(Choice::Number).collect()));
+        return Ok(values.map(Choice::Number).collect());
     }
-    Ok((Some(unit.to_owned()), values.map(|value| Choice::Word(format!("{value} {unit}"))).collect()))
+    Ok(values.map(|value| Choice::Word(format!("{value} {unit}"))).collect())
 }
 
 /// The number of one end of a range in the unit of the other.
@@ -186,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_have_units_as_lists_do() {
+    fn values_with_a_unit_are_numbers() {
         let speed = 3000.0 * PI / 30.0;
         for (text, expected) in [
             ("imposed_speed=0:3000 rpm:4", [0.0, speed / 3.0, 2.0 * speed / 3.0, speed]),
@@ -195,6 +196,8 @@ mod tests {
             ("current_command=0:3:4", [0.0, 1.0, 2.0, 3.0]),
             ("ambient_temperature=20:50 degC:4", [293.15, 303.15, 313.15, 323.15]),
             ("ambient_temperature=293,15:323,15 K:4", [293.15, 303.15, 313.15, 323.15]),
+            ("current_command=0 mA,1,2000 mA, 3 A", [0.0, 1.0, 2.0, 3.0]),
+            ("ambient_temperature=20 degC,303.15,313.15 K,122degF", [293.15, 303.15, 313.15, 323.15]),
             // Equal steps in the unit that is given.
             ("motor.k_t=100:400 rpm/V:4", [1.0, 2.0, 3.0, 4.0].map(|k| 30.0 / (100.0 * k * PI))),
         ] {
@@ -211,9 +214,22 @@ mod tests {
             ("cooling_mode=0:3 A:3", "\"A\""),
             ("preset=0:3 A:3", "names of motors have no range"),
             ("curent_command=0:5 A:6", "did you mean current_command?"),
+            ("current_command=1 A,2 V", "current_command has the unit \"A\", not \"V\""),
         ] {
             let error = resolved(text).unwrap_err();
             assert!(error.starts_with("--vary ") && error.contains(words), "{text}: {error}");
+        }
+    }
+
+    /// Names stay names, also one that begins with a number.
+    #[test]
+    fn items_and_motors_are_no_numbers() {
+        for (text, words) in [
+            ("cooling_mode=bare,annulus_push", ["bare", "annulus_push"]),
+            ("preset=3kW.toml,maxon-305015", ["3kW.toml", "maxon-305015"]),
+        ] {
+            let expected = words.map(|word| Choice::Word(word.to_owned()));
+            assert_eq!(resolved(text).unwrap().values, expected, "{text}");
         }
     }
 
