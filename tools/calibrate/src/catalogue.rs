@@ -33,6 +33,12 @@ pub static LISTED: LazyLock<Vec<Listed>> = LazyLock::new(|| {
     Effects::CANDIDATES.iter().flat_map(of).collect()
 });
 
+/// Whether a parameter shapes an effect and is not its size: with another value it is another effect, and no value in a wrong unit.
+pub fn shapes_an_effect(parameter: &str) -> bool {
+    let is_size = |l: &Listed| l.symbols.first().is_some_and(|size| l.parameter(size) == parameter);
+    parameter.starts_with("effect.") && !LISTED.iter().any(is_size)
+}
+
 impl Listed {
     /// Name of one of its parameters in a model.
     pub fn parameter(&self, symbol: &str) -> String {
@@ -82,6 +88,19 @@ impl Listed {
 mod tests {
     use super::*;
     use crate::experiment::Experiment;
+
+    #[test]
+    fn a_width_is_a_shape_and_a_torque_is_a_size() {
+        for (name, is_shape) in [
+            ("effect.coulomb_friction.tau_c", false),
+            ("effect.coulomb_friction.w_small", true),
+            ("effect.iron_loss.k", false),
+            ("effect.iron_loss.w_small", true),
+            ("motor.R_ref", false),
+        ] {
+            assert_eq!(shapes_an_effect(name), is_shape, "{name}");
+        }
+    }
 
     /// Each effect of the motor with a candidate form is found, with the symbols that the candidate names.
     #[test]

@@ -15,6 +15,7 @@
 //! *Source*: evidence and its penalty as for effects (`evidence.rs`, `selection.rs`).
 
 use crate::CalibrateError;
+use crate::catalogue::shapes_an_effect;
 use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::levels::NEARLY;
@@ -128,6 +129,7 @@ fn candidates(setup: &Setup) -> Vec<Declared> {
             && matches!(entry.row.kind, Kind::Real)
             && setup.bench.start_of(entry.slot) != 0.0
             && !entry.name.starts_with(START_VALUES)
+            && !shapes_an_effect(&entry.name)
             && !setup.declared.iter().any(|d| d.slot == entry.slot)
             && !setup.kept.contains(&entry.name)
             && !is_set(&entry.name)

@@ -4,6 +4,7 @@ use super::cost::{Cost, crossed, fitted, with_free};
 use super::mistakes::{Mistake, mistakes};
 use super::{Judge, Predicted, blanked, score, unmeasured, worst};
 use crate::CalibrateError;
+use crate::catalogue::shapes_an_effect;
 use crate::experiment::Experiment;
 use crate::intake::signals::POSSIBLE;
 use crate::intake::{Unusable, declaration};
@@ -170,7 +171,7 @@ fn is_of_its_order(value: f64, own: f64) -> bool {
     (1.0 / FACTOR..=FACTOR).contains(&(value / own))
 }
 
-/// The parameters of [set] and [prior], each with the cost if it has this standard deviation relative to its value, the value then, and the
+/// The parameters of [set] and [prior] without the shapes of effects, each with the cost if it has this standard deviation relative to its value, the value then, and the
 /// present one.
 fn freed(
     judge: &Judge,
@@ -182,7 +183,7 @@ fn freed(
     let of_prior = experiment.priors.iter().map(|p| &p.name);
     let of_prior = of_prior.filter(|name| !experiment.set.iter().any(|(other, _)| other == *name));
     let mut all = Vec::new();
-    for name in set.chain(of_prior) {
+    for name in set.chain(of_prior).filter(|name| !shapes_an_effect(name)) {
         if judge.deadline.is_near() {
             break;
         }
