@@ -38,11 +38,14 @@ def truth(kind=j.NULL, names=(), law=None, mistake=None, visible=True, name="bli
     }
 
 
-def report(verdict, *ids, alternatives=(), law=None, channel=None, notes=(), after=0.104):
+def report(verdict, *ids, alternatives=(), law=None, lag=None, channel=None, notes=(), after=0.104):
     interval = {"value": 2.0, "ci95": [1.9, 2.1]}
+    effects = [{"id": i, "alternatives": list(alternatives), "parameters": {"k": interval}} for i in ids]
+    if lag:
+        effects.append({"id": "generic_term", "parameters": {}, "law": {"port": law[0], "lag": lag}})
     return {
         "verdict": verdict,
-        "effects": [{"id": i, "alternatives": list(alternatives), "parameters": {"k": interval}} for i in ids],
+        "effects": effects,
         "unexplained": {"port": law[0], "driver": law[1]} if law else None,
         "unusable": {"channel": channel, "reason": "unit", "suggestion": "rpm"} if channel else None,
         "notes": list(notes),
@@ -57,6 +60,7 @@ def report(verdict, *ids, alternatives=(), law=None, channel=None, notes=(), aft
 
 
 NOTHING = report("nothing")
+MASS = ("winding_heat", "winding_temperature")
 RPM = {"id": "rpm", "channels": ["speed_rad_per_s"], "answers": ["unusable", "refused"]}
 FROZEN = {"id": "frozen", "channels": ["winding_temperature_degC"], "answers": ["set aside"]}
 HARMLESS = {"id": "foreign_csv", "channels": [], "answers": ["works"]}
@@ -78,6 +82,10 @@ ROUGH = truth(structure=3.0)
         (ROUGH, report("named", "stator_node"), j.STRUCTURE),
         (ROUGH, report("unexplained", law=("heat_capacity", "time")), j.STRUCTURE),
         (ROUGH, report("named", "stator_node", "windage"), j.FALSE_ALARM),
+        # A mass at a node is a heat capacity; a heat over a lag is none, and there is none without structure.
+        (ROUGH, report("unexplained", law=MASS, lag={"tau": 9.0, "difference": True}), j.STRUCTURE),
+        (ROUGH, report("unexplained", law=MASS, lag={"tau": 9.0, "difference": False}), j.FALSE_ALARM),
+        (truth(), report("unexplained", law=MASS, lag={"tau": 9.0, "difference": True}), j.FALSE_ALARM),
         # Beside a law as well, an effect with alternatives is not named.
         (ROUGH, report("unexplained", "windage", alternatives=["stator_node"], law=("heat_capacity", "time")), j.STRUCTURE),
         (ROUGH, report("unexplained", "windage", law=("heat_capacity", "time")), j.FALSE_ALARM),

@@ -47,8 +47,8 @@ def title(outcome: str) -> str:
 
 @dataclass
 class Said:
-    """Content of a report: names, classes of names, port and drivers of a law without a name, unusable channel,
-    notes.
+    """Content of a report: names, classes of names, port and drivers of a law without a name, unusable channel, notes;
+    whether the law is a mass (a heat over the difference of a node's temperature and its lag).
     """
 
     names: list
@@ -56,6 +56,7 @@ class Said:
     law: tuple | None
     unusable: str | None
     notes: list
+    is_mass: bool = False
 
     @property
     def nothing(self) -> bool:
@@ -128,7 +129,9 @@ def said_in(report: dict) -> Said:
         drivers = (rest.get("driver") or "").split(" and ")
         law = (rest["port"], [d for d in drivers if d])
     channel = f"{unusable.get('channel')}: {unusable.get('reason')}" if verdict == "unusable" else None
-    return Said(names, classes, law, channel, [str(note) for note in report.get("notes") or []])
+    terms = [(e.get("law") or {}).get("lag") or {} for e in report.get("effects") or []]
+    is_mass = any(lag.get("difference") for lag in terms)
+    return Said(names, classes, law, channel, [str(note) for note in report.get("notes") or []], is_mass)
 
 
 def label(truth: dict) -> str:
@@ -145,10 +148,11 @@ def label(truth: dict) -> str:
 
 
 def true_of_structure(truth: dict, said: Said) -> bool:
-    """Whether everything that is reported is true of the structure."""
+    """Whether everything that is reported is true of the structure; a mass at a node is a heat capacity."""
     true = truth["true_of_structure"]
     names = set(said.names).issubset(true["effects"]) and all(c & set(true["effects"]) for c in said.classes)
-    return names and (not said.law or said.law[0] in true["ports"])
+    ports = {said.law[0], "heat_capacity"} if said.law and said.is_mass else {said.law[0]} if said.law else set()
+    return names and (not ports or bool(ports & set(true["ports"])))
 
 
 def of_mistake(truth: dict, said: Said | None, run: dict) -> str:

@@ -255,6 +255,31 @@ mod tests {
         listed_first(&[], &mut []);
     }
 
+    /// The fan acts through the air: a heat that follows it gives way to a conductance to the air that explains as much, at any node.
+    #[test]
+    fn a_heat_by_the_fan_gives_way_to_a_conductance() {
+        use Driver::{AmbientTemperature, Current, FanCommand, HousingTemperature, WindingTemperature};
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let of = |port, follows, sure| candidate(&setup, law(port, follows), sure);
+        let ordered = |all: &[Candidate]| {
+            let mut order: Vec<usize> = (0..all.len()).collect();
+            order_by_likelihood(all, &mut order);
+            order[0]
+        };
+        let air =
+            |sure| of(Port::HousingAmbientConductance, Follows::Both(FanCommand, HousingTemperature), sure);
+        let winding = of(Port::WindingHeat, Follows::Both(WindingTemperature, FanCommand), 500.0);
+        assert_eq!(ordered(&[winding, air(470.0)]), 1);
+        let ambient = |sure| of(Port::HousingHeat, Follows::Driver(AmbientTemperature), sure);
+        assert_eq!(ordered(&[ambient(500.0), of(Port::FanFlow, Follows::Driver(FanCommand), 460.0)]), 1);
+        // It explains less; a heat by the current; a conductance inside the motor.
+        assert_eq!(ordered(&[ambient(500.0), air(500.0 - 1.1 * ALIKE)]), 0);
+        assert_eq!(ordered(&[of(Port::WindingHeat, Follows::Driver(Current), 500.0), air(490.0)]), 0);
+        let inside = of(Port::WindingHousingResistance, Follows::Driver(HousingTemperature), 490.0);
+        assert_eq!(ordered(&[ambient(500.0), inside]), 0);
+    }
+
     #[test]
     fn a_law_of_two_drivers_gives_way_to_one_of_one() {
         let experiment = testing::experiment(testing::PRIORS, true);
