@@ -136,6 +136,9 @@ fn closed(
         Some(other) => {
             // A model that cannot be simulated in all runs is discarded.
             let found = attempt(setup.until(rest(options, begun, FIRST)), plain, options, progress).ok();
+            if let Some(found) = found.as_ref().filter(|found| found.unusable.is_some()) {
+                return Ok(found.clone());
+            }
             let next =
                 attempt(other.setup.until(rest(options, begun, 1.0)), Ok(other.fitted), options, progress)?;
             Ok(found.filter(|found| !found.effects.is_empty() && left(found) <= left(&next)).unwrap_or(next))
@@ -223,15 +226,15 @@ fn attempt<'a>(
             search_of.notes.push(format!("whether one law stands behind two effects could not be seen: {e}"));
         }
     }
+    let unusable = in_time(&deadline, search_of.zero_of_an_input())?.flatten();
     let is_cut = deadline.is_near();
     search_of.is_cut = is_cut;
     deadline.lift();
     progress(0.85, "judging what was found");
     let mut verdict = search_of.verdict()?;
     verdict.time_for_boxes = for_boxes;
-    let mut outcome = estimates::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
-    outcome.is_cut = is_cut;
-    Ok(outcome)
+    let outcome = estimates::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
+    Ok(Outcome { is_cut, unusable, ..outcome })
 }
 
 /// State of a search.

@@ -190,10 +190,9 @@ pub fn outcome(
         }
     }
     let settings = all.iter().map(|run| setting(setup, &hypothesis, *run)).collect::<Result<Vec<_>, _>>()?;
-    let exported =
-        [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
     // The exported model starts at ambient temperature, regardless of the run's initial state.
-    let exported = exported.unwrap_or(0);
+    let roles = [Role::Test, Role::Validate, Role::Fit];
+    let exported = roles.iter().find_map(|role| setup.runs(*role).first().copied()).unwrap_or(0);
     let values = setup.bench.values(&setup.drives[exported], &setup.common_change(&hypothesis, exported));
     let export = Setting { values, ..settings[exported].clone() };
     Ok(Outcome {
@@ -202,6 +201,7 @@ pub fn outcome(
         verdict: judged.verdict,
         effects,
         unexplained: judged.unexplained,
+        unusable: None,
         parameters: estimates_of[..common].to_vec(),
         released: setup.declared.iter().filter(|d| d.is_released).map(|d| d.name.clone()).collect(),
         of_runs,

@@ -33,6 +33,7 @@ use crate::experiment::{CELSIUS, Channel, Experiment, Role, Run, Start};
 use crate::fit::is_wide;
 use crate::hypothesis::Hypothesis;
 use crate::levels::{SAMPLES, SMALL, STRUCTURE};
+pub use crate::outcome::Unusable;
 use crate::overrides::Override;
 use crate::parallel;
 use crate::setup::Setup;
@@ -52,17 +53,6 @@ const FAR: f64 = 10.0;
 
 /// Predictions by run, then by output, then by row.
 type Predicted = Vec<Vec<Vec<f64>>>;
-
-/// Reason why the data cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unusable {
-    /// The faulty column.
-    pub channel: String,
-    /// Description of the fault, in one sentence with the file.
-    pub reason: String,
-    /// Suggested correction.
-    pub suggestion: String,
-}
 
 /// Reason why an experiment is rejected.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -96,6 +96,17 @@ impl<'a> Linearization<'a> {
         Linearization::of(setup, fitted, runs, &[], std::slice::from_ref(port))
     }
 
+    /// Columns of a constant added to an input in these runs: to first order, the response to its sensor's zero.
+    pub fn input_column(&self, input: usize, runs: &[usize]) -> Option<DMatrix<f64>> {
+        let place = self.ports.len() + input;
+        self.columns(1, |r, _| {
+            if !runs.contains(&self.runs[r]) {
+                return Some(None);
+            }
+            Some(Some(self.slopes.tangents[r].response(self.further(r)[place].as_ref()?, |_| 1.0)))
+        })
+    }
+
     fn of(
         setup: &'a Setup<'a>,
         fitted: Fitted,

@@ -3,6 +3,17 @@
 use crate::experiment::Role;
 use physics::terms::{GenericTerm, Port};
 
+/// Reason why the data cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unusable {
+    /// The faulty column.
+    pub channel: String,
+    /// Description of the fault, in one sentence with the file.
+    pub reason: String,
+    /// Suggested correction.
+    pub suggestion: String,
+}
+
 /// Conclusion about the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -269,6 +280,8 @@ pub struct Outcome {
     pub effects: Vec<Found>,
     /// Structured residual that no effect explains.
     pub unexplained: Option<Unexplained>,
+    /// The reading of an input that explains what was found.
+    pub unusable: Option<Unusable>,
     /// Declared parameters of the repaired model.
     pub parameters: Vec<Estimate>,
     /// Those of them that have no prior in the experiment.

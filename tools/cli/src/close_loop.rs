@@ -112,6 +112,10 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     let outcome = close_loop::run(&experiment, &preset.starts.entries(), options, &|share, what| {
         bar.set(what, SEARCH * share.clamp(0.0, 1.0));
     })?;
+    if let Some(why) = &outcome.unusable {
+        bar.finish();
+        return unusable(args, &experiment, why, &made_of, begun.elapsed().as_secs_f64());
+    }
     bar.set("export", SEARCH);
     let exported = export::export(&experiment, &outcome, &made_of, &args.out)?;
     bar.set("replay", 0.95);
