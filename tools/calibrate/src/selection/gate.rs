@@ -86,7 +86,8 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     let is_free = !addition.is_listed() || is_sensor(addition.port) && addition.follows != Follows::History;
     let of_instruments = (is_free && seen < 1.0)
         .then(|| format!("accounts for {:.0} % of {}", 100.0 * seen, instruments::words()));
-    let of_output = validated.and_then(|v| v.worse).map(|(output, ratio)| {
+    // An effect that accounts for more of the whole error than it leaves is right also where parameters stood in for it in one output.
+    let of_output = validated.and_then(|v| v.worse).filter(|_| !is_halved).map(|(output, ratio)| {
         let channel = before.setup.experiment.outputs[output].column;
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
