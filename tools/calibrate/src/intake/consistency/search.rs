@@ -171,8 +171,8 @@ fn is_of_its_order(value: f64, own: f64) -> bool {
     (1.0 / FACTOR..=FACTOR).contains(&(value / own))
 }
 
-/// The parameters of [set] and [prior] without the shapes of effects, each with the cost if it has this standard deviation relative to its value, the value then, and the
-/// present one.
+/// The parameters of [set] and [prior] without the shapes of effects, each with the cost if it has this standard deviation relative to its
+/// value, the value then, and the present one.
 fn freed(
     judge: &Judge,
     experiment: &Experiment,
