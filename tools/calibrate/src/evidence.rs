@@ -26,12 +26,11 @@ use crate::algebra::{cholesky, product, solve_lower};
 use crate::levels::NEGLIGIBLE;
 use crate::selection::NEAR;
 use drift::Drift;
-use gains::Seen;
 pub use memory::{Memory, Series};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 pub use prior::Prior;
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Drifts that are compared: ratio of its standard deviation to that of the noise, and correlation time, s. Tuned: thermocouples drift
 /// by up to their noise within an hour.
@@ -103,8 +102,10 @@ impl Noise {
 
 #[derive(Clone)]
 struct State {
-    /// Cholesky factor of Z'Z + L.
+    /// Cholesky factor F of Z'Z + L.
     factor: Cholesky<f64, Dyn>,
+    /// F^-1, if it was used: hundreds of candidates are compared in the same state.
+    inverse: OnceLock<DMatrix<f64>>,
     /// The estimate of c: (Z'Z + L)^-1 (Z'r + L c0).
     c: DVector<f64>,
     /// Eq. (2).
@@ -113,6 +114,16 @@ struct State {
     drift: (f64, f64),
     /// Size of the structure error, in units of the noise.
     size: f64,
+}
+
+impl State {
+    /// F^-1.
+    fn inverse(&self) -> &DMatrix<f64> {
+        self.inverse.get_or_init(|| {
+            let n = self.c.len();
+            solve_lower(&self.factor, DMatrix::identity(n, n))
+        })
+    }
 }
 
 /// A gain, the estimated coefficients, and the Cholesky factor of their inverse covariance.
@@ -291,7 +302,7 @@ impl Evidence {
         let factor = cholesky(whole)?;
         let c = factor.solve(&rhs);
         let cost = noise.r.norm_squared() + self.prior.cost - rhs.dot(&c) + determinant;
-        Some(State { factor, c, cost, drift, size })
+        Some(State { factor, inverse: OnceLock::new(), c, cost, drift, size })
     }
 
     /// L for given drift and size of the structure error, for `all` columns, and minus the log determinant of the part of drift and
@@ -418,9 +429,14 @@ impl Evidence {
 
     /// Eq. (4): columns of one smooth shape, with the prior covariance `kernel` of their coefficients.
     pub fn shape(&self, s: &DMatrix<f64>, kernel: &DMatrix<f64>) -> Option<Gain> {
-        let factor = kernel.clone().cholesky()?;
+        self.shapes(s, kernel).pop()?
+    }
+
+    /// Eq. (4) for each of several shapes with the same `kernel`, whose columns are side by side.
+    pub fn shapes(&self, s: &DMatrix<f64>, kernel: &DMatrix<f64>) -> Vec<Option<Gain>> {
+        let Some(factor) = kernel.clone().cholesky() else { return Vec::new() };
         let (inverse, prior) = (factor.inverse(), log_determinant(&factor));
-        self.best(&self.seen(s), |_, power, seen| {
+        self.explain(s, kernel.nrows(), |_, power, seen| {
             let scale = power.trace() / power.nrows() as f64;
             if scale.is_nan() || scale <= 0.0 {
                 return None;
@@ -434,33 +450,6 @@ impl Evidence {
             };
             SIZES.iter().filter_map(|size| of(*size)).max_by(|a, b| a.0.total_cmp(&b.0))
         })
-    }
-
-    /// The best result of `explain`, a function of S'S, S'PS and S'Pr, over all compared hyperparameters.
-    fn best(
-        &self,
-        products: &[Seen],
-        explain: impl Fn(&DMatrix<f64>, &DMatrix<f64>, &DVector<f64>) -> Option<Explained>,
-    ) -> Option<Gain> {
-        let mut best: Option<(f64, Explained, (usize, usize))> = None;
-        let mut raw = 0.0;
-        for (n, (noise, own)) in self.noises.iter().zip(products).enumerate() {
-            for (k, state) in noise.states.iter().enumerate() {
-                let seen_too = solve_lower(&state.factor, own.zts.clone());
-                let power = &own.sts - product(&seen_too, &seen_too);
-                let seen = own.left.column(k).into_owned();
-                let Some((gain, size, factor)) = explain(&own.sts, &power, &seen) else { continue };
-                if (n, k) == (0, 0) {
-                    raw = gain;
-                }
-                let cost = state.cost - gain;
-                if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
-                    best = Some((cost, (gain, size, factor), (n, k)));
-                }
-            }
-        }
-        let (cost, (_, size, factor), state) = best?;
-        Some(Gain { raw, whitened: self.cost().0 - cost, size, covariance: factor.inverse(), state })
     }
 }
 

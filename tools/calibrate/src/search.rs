@@ -299,7 +299,7 @@ fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain
             let after = |at: f64, r: usize, row: usize| if clock(r, row) >= at { -1.0 } else { 0.0 };
             let columns =
                 point.port_columns(addition.port, times.len(), |k, r, row, _| after(times[k], r, row));
-            let gains = columns.map_or_else(Vec::new, |columns| point.evidence.gains(&columns));
+            let gains = columns.map_or_else(Vec::new, |columns| point.evidence.gains(&columns, 1));
             let known = times.iter().zip(gains).filter_map(|(at, gain)| Some((*at, gain?)));
             known.filter(|(_, gain)| within(gain.size[0], addition.numbers[0].limits)).collect()
         };

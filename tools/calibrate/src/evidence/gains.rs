@@ -1,70 +1,96 @@
-//! Gains of columns, and of many columns at once.
+//! Gains of columns, and of many groups of columns at once.
 
-use super::{Evidence, Gain, Noise, ROUNDING};
+use super::{Evidence, Explained, Gain, Noise, ROUNDING, Series};
 use crate::algebra::product;
 use nalgebra::{DMatrix, DVector};
 
-/// Products of columns S with the null model, for one covariance of the noise.
+/// Products of a group of columns S with the null model, for one covariance of the noise.
 pub(super) struct Seen {
     /// S'S.
-    pub(super) sts: DMatrix<f64>,
-    /// Z'S.
-    pub(super) zts: DMatrix<f64>,
+    pub(super) squares: DMatrix<f64>,
+    /// S'PS, for each state.
+    pub(super) powers: Vec<DMatrix<f64>>,
     /// S'(r - Z c): one column for each state.
     pub(super) left: DMatrix<f64>,
 }
 
-impl Seen {
-    /// With whitened columns, and S'S.
-    fn new(noise: &Noise, s: &DMatrix<f64>, sts: DMatrix<f64>) -> Seen {
-        let (zts, own) = (product(&noise.z, s), s.tr_mul(&noise.r));
-        let left: Vec<DVector<f64>> = noise.states.iter().map(|state| &own - zts.tr_mul(&state.c)).collect();
-        Seen { sts, zts, left: DMatrix::from_columns(&left) }
+impl Noise {
+    /// The products of each group of `width` neighbouring columns. Z and the factors are read once for all of them.
+    fn seen(&self, series: &[Series], s: &DMatrix<f64>, width: usize) -> Vec<Seen> {
+        let s = self.whitened(series, s);
+        let (zts, own) = (product(&self.z, &s), s.tr_mul(&self.r));
+        let squares = squares_of_groups(&s, width);
+        let explained = self.states.iter().map(|state| squares_of_groups(&(state.inverse() * &zts), width));
+        let explained: Vec<_> = explained.collect();
+        let left: Vec<DVector<f64>> = self.states.iter().map(|state| &own - zts.tr_mul(&state.c)).collect();
+        let left = DMatrix::from_columns(&left);
+        let group = |(k, squares): (usize, DMatrix<f64>)| Seen {
+            powers: explained.iter().map(|of_state| &squares - &of_state[k]).collect(),
+            left: left.rows(k * width, width).into_owned(),
+            squares,
+        };
+        squares.into_iter().enumerate().map(group).collect()
     }
+}
 
-    /// Those of one column alone; S'S has one row.
-    fn alone(&self, k: usize) -> Seen {
-        let (sts, zts) = (self.sts.columns(k, 1).into_owned(), self.zts.columns(k, 1).into_owned());
-        Seen { sts, zts, left: self.left.rows(k, 1).into_owned() }
-    }
+/// S'S of each group of `width` columns.
+fn squares_of_groups(s: &DMatrix<f64>, width: usize) -> Vec<DMatrix<f64>> {
+    let groups = (0..s.ncols()).step_by(width.max(1)).map(|from| s.columns(from, width).into_owned());
+    groups.map(|own| product(&own, &own)).collect()
 }
 
 impl Evidence {
     /// Eq. (3). `None` if the columns are collinear with those of the null model.
     pub fn gain(&self, s: &DMatrix<f64>) -> Option<Gain> {
-        self.least_squares(&self.seen(s))
+        self.gains(s, s.ncols()).pop()?
     }
 
-    /// Eq. (3) for each column alone. Z is read once for all of them.
-    pub fn gains(&self, s: &DMatrix<f64>) -> Vec<Option<Gain>> {
-        let of = |noise: &Noise| {
-            let s = noise.whitened(&self.series, s);
-            let squares = DMatrix::from_fn(1, s.ncols(), |_, k| s.column(k).norm_squared());
-            Seen::new(noise, &s, squares)
-        };
-        let seen: Vec<Seen> = self.noises.iter().map(of).collect();
-        let one = |k: usize| self.least_squares(&seen.iter().map(|own| own.alone(k)).collect::<Vec<_>>());
-        (0..s.ncols()).map(one).collect()
-    }
-
-    /// The products of columns with the null model, for each covariance of the noise.
-    pub(super) fn seen(&self, s: &DMatrix<f64>) -> Vec<Seen> {
-        let of = |noise: &Noise| {
-            let s = noise.whitened(&self.series, s);
-            let sts = product(&s, &s);
-            Seen::new(noise, &s, sts)
-        };
-        self.noises.iter().map(of).collect()
-    }
-
-    fn least_squares(&self, seen: &[Seen]) -> Option<Gain> {
-        self.best(seen, |sts, power, seen| {
-            if (0..power.nrows()).any(|j| power[(j, j)] <= ROUNDING * sts[(j, j)]) {
+    /// Eq. (3) for each group of `width` neighbouring columns alone.
+    pub fn gains(&self, s: &DMatrix<f64>, width: usize) -> Vec<Option<Gain>> {
+        self.explain(s, width, |squares, power, seen| {
+            if (0..power.nrows()).any(|j| power[(j, j)] <= ROUNDING * squares[(j, j)]) {
                 return None;
             }
             let factor = power.clone().cholesky()?;
             let size = factor.solve(seen);
             Some((seen.dot(&size), size, factor))
         })
+    }
+
+    /// For each group of `width` columns the best result of `explain`, a function of S'S, S'PS and S'Pr, over all compared hyperparameters.
+    pub(super) fn explain(
+        &self,
+        s: &DMatrix<f64>,
+        width: usize,
+        explain: impl Fn(&DMatrix<f64>, &DMatrix<f64>, &DVector<f64>) -> Option<Explained>,
+    ) -> Vec<Option<Gain>> {
+        let mut seen: Vec<_> =
+            self.noises.iter().map(|noise| noise.seen(&self.series, s, width).into_iter()).collect();
+        let groups = s.ncols() / width.max(1);
+        (0..groups).map(|_| self.best(seen.iter_mut().filter_map(Iterator::next), &explain)).collect()
+    }
+
+    fn best(
+        &self,
+        group: impl Iterator<Item = Seen>,
+        explain: impl Fn(&DMatrix<f64>, &DMatrix<f64>, &DVector<f64>) -> Option<Explained>,
+    ) -> Option<Gain> {
+        let mut best: Option<(f64, Explained, (usize, usize))> = None;
+        let mut raw = 0.0;
+        for (n, (noise, own)) in self.noises.iter().zip(group).enumerate() {
+            for (k, (state, power)) in noise.states.iter().zip(&own.powers).enumerate() {
+                let seen = own.left.column(k).into_owned();
+                let Some((gain, size, factor)) = explain(&own.squares, power, &seen) else { continue };
+                if (n, k) == (0, 0) {
+                    raw = gain;
+                }
+                let cost = state.cost - gain;
+                if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+                    best = Some((cost, (gain, size, factor), (n, k)));
+                }
+            }
+        }
+        let (cost, (_, size, factor), state) = best?;
+        Some(Gain { raw, whitened: self.cost().0 - cost, size, covariance: factor.inverse(), state })
     }
 }

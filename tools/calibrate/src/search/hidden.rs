@@ -59,6 +59,15 @@ impl Late {
         Late { factor, ..late }
     }
 
+    /// Points of a table over it, at equal distances; `None` if it is constant.
+    fn knots(&self) -> Option<Vec<f64>> {
+        let ends = |(a, b): (f64, f64), z: &f64| (a.min(*z), b.max(*z));
+        let (least, most) = self.reached.iter().flatten().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        let at = |k: usize| least + (most - least) * k as f64 / (POINTS - 1) as f64;
+        let knots: Vec<f64> = (0..POINTS).map(at).collect();
+        knots.windows(2).all(|pair| pair[0] < pair[1]).then_some(knots)
+    }
+
     fn value(&self, r: usize, row: usize, exponent: f64) -> f64 {
         power(&self.factor, self.reached[r][row], exponent)
     }
@@ -102,13 +111,11 @@ pub(super) fn lagging(
     let find = |(port, driver): &(Port, Driver)| {
         let own: Vec<&Late> = late.iter().filter(|l| l.lag.driver == *driver).collect();
         let columns = point.port_columns(*port, own.len(), |k, r, row, _| own[k].value(r, row, 1.0))?;
-        let line = best(own.iter().copied().zip(point.evidence.gains(&columns)));
+        let line = best(own.iter().copied().zip(point.evidence.gains(&columns, 1)));
         // A function that rises and falls is no line at any time constant.
-        let tables = own.iter().filter_map(|late| Table::new(point, *port, late));
-        let table = tables.max_by(|a, b| a.gain.whitened.total_cmp(&b.gain.whitened));
         let laws = [
             line.and_then(|(late, _)| powers(point, *port, late, &taus, per_number)),
-            table.map(|table| table.scored(point, *port, &taus, per_number)),
+            Table::best(point, *port, &own).map(|table| table.scored(point, *port, &taus, per_number)),
         ];
         Some(laws.into_iter().flatten())
     };
@@ -136,7 +143,7 @@ pub(super) fn masses(point: &Linearization, per_number: f64) -> Vec<Scored> {
         }
         let late: Vec<Late> = taus.iter().map(|tau| Late::unlimited(point, *driver, *tau)).collect();
         let columns = point.port_columns(*port, late.len(), |k, r, row, _| late[k].value(r, row, 1.0))?;
-        let gains = late.iter().zip(point.evidence.gains(&columns));
+        let gains = late.iter().zip(point.evidence.gains(&columns, 1));
         let (best, gain) = best(gains.map(|(late, gain)| (late, gain.filter(|gain| gain.size[0] > 0.0))))?;
         let follows = Follows::Mass(*driver);
         let name = format!("{} of a mass", port.name());
@@ -171,7 +178,7 @@ fn time_constant(late: &Late, taus: &[f64]) -> Number {
 fn powers(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
     let columns =
         point.port_columns(port, EXPONENTS.len(), |k, r, row, _| late.value(r, row, EXPONENTS[k]))?;
-    let (exponent, gain) = best(EXPONENTS.into_iter().zip(point.evidence.gains(&columns)))?;
+    let (exponent, gain) = best(EXPONENTS.into_iter().zip(point.evidence.gains(&columns, 1)))?;
     let name = format!("{} ~ lag of {}^{exponent}", port.name(), late.lag.driver.name());
     let follows = Follows::Late(late.lag.driver);
     let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &[0.0]);
@@ -189,19 +196,17 @@ struct Table<'l> {
 }
 
 impl<'l> Table<'l> {
-    /// `None` if the lagged driver is constant, or its function has no effect.
-    fn new(point: &Linearization, port: Port, late: &'l Late) -> Option<Table<'l>> {
-        let values = || late.reached.iter().flatten();
-        let (least, most) =
-            values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(*z), b.max(*z)));
-        let knots: Vec<f64> =
-            (0..POINTS).map(|k| least + (most - least) * k as f64 / (POINTS - 1) as f64).collect();
-        if knots.windows(2).any(|pair| pair[0] >= pair[1]) {
-            return None;
-        }
-        let columns =
-            point.port_columns(port, POINTS, |k, r, row, _| hat(&knots, k, late.reached[r][row]))?;
-        let gain = point.evidence.shape(&columns, &alike(&knots))?;
+    /// The best one; `None` if the lagged driver is constant, or its functions have no effect.
+    fn best(point: &Linearization, port: Port, late: &[&'l Late]) -> Option<Table<'l>> {
+        let own: Vec<(&Late, Vec<f64>)> =
+            late.iter().filter_map(|late| Some((*late, late.knots()?))).collect();
+        let columns = point.port_columns(port, POINTS * own.len(), |k, r, row, _| {
+            let (late, knots) = &own[k / POINTS];
+            hat(knots, k % POINTS, late.reached[r][row])
+        })?;
+        // Knots at equal distances have the same covariance at every time constant.
+        let gains = point.evidence.shapes(&columns, &alike(&own.first()?.1));
+        let ((late, knots), gain) = best(own.into_iter().zip(gains))?;
         Some(Table { late, knots, gain })
     }
 

@@ -279,7 +279,7 @@ pub(super) fn powers(point: &Linearization, port: Port, driver: Driver, per_numb
     let factor = scale(driver, point.drivers().map(|d| d.of(driver)));
     let value = |k: usize, d: &Drivers| power(&factor, d.of(driver), EXPONENTS[k]);
     let columns = point.port_columns(port, EXPONENTS.len(), |k, _, _, d| value(k, d))?;
-    let gains = EXPONENTS.into_iter().zip(point.evidence.gains(&columns));
+    let gains = EXPONENTS.into_iter().zip(point.evidence.gains(&columns, 1));
     // A drag or a voltage drop with negative coefficient would be a source and is not physical.
     let is_physical =
         |gain: &Gain| !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;

@@ -150,7 +150,7 @@ pub(super) fn histories(point: &Linearization, port: Port, per_number: f64) -> V
             };
             let states: Vec<_> = states.into_iter().filter(moves).collect();
             let columns = point.port_columns(port, states.len(), |k, r, row, _| states[k].1[r][row]);
-            let gains = columns.map_or_else(Vec::new, |columns| point.evidence.gains(&columns));
+            let gains = columns.map_or_else(Vec::new, |columns| point.evidence.gains(&columns, 1));
             states.iter().zip(gains).filter_map(|((x, _), gain)| Some((*x, gain?))).collect()
         };
         let latched = thresholds.iter().map(|x| (*x, f64::NEG_INFINITY)).collect();
@@ -162,15 +162,13 @@ pub(super) fn histories(point: &Linearization, port: Port, per_number: f64) -> V
     }
     let longest = point.runs.iter().enumerate().map(|(r, _)| clock(point, r)).map(|t| t[t.len() - 1] - t[0]);
     let longest = longest.fold(0.0, f64::max);
-    let periods = (0..PERIODS.2).map(|k| PERIODS.0 * longest * PERIODS.1.powi(k));
-    let periodic = periods.filter_map(|period| {
-        let turn = std::f64::consts::TAU / period;
-        let columns = point.port_columns(port, 3, |k, r, row, _| {
-            let angle = turn * clock(point, r)[row];
-            [1.0, angle.sin(), angle.cos()][k]
-        })?;
-        Some((period, point.evidence.gain(&columns)?))
+    let periods: Vec<f64> = (0..PERIODS.2).map(|k| PERIODS.0 * longest * PERIODS.1.powi(k)).collect();
+    let waves = point.port_columns(port, 3 * periods.len(), |k, r, row, _| {
+        let angle = std::f64::consts::TAU / periods[k / 3] * clock(point, r)[row];
+        [1.0, angle.sin(), angle.cos()][k % 3]
     });
+    let gains = waves.map_or_else(Vec::new, |waves| point.evidence.gains(&waves, 3));
+    let periodic = periods.into_iter().zip(gains).filter_map(|(period, gain)| Some((period, gain?)));
     best("with a period of", 4.0, periodic.collect());
     all
 }
