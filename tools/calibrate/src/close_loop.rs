@@ -21,7 +21,7 @@ use crate::fit::Fitted;
 use crate::instruments;
 use crate::levels::{DECISIVE, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
-use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
+use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Refusal, Unexplained, Verdict};
 use crate::search::{Scored, best_memory_term, latent_input_at, search};
 use crate::selection::{Candidate, Round, shares};
 use crate::separate::separate;
@@ -68,13 +68,14 @@ pub enum Extent {
 /// with the completed fraction and the name of the next step.
 ///
 /// # Errors
-/// A run without the inputs that the model needs; parameters that the runs do not determine.
+/// A run without the inputs that the model needs; parameters that the runs do not determine; readings of an input that explain by a zero
+/// offset what was found.
 pub fn run(
     experiment: &Experiment,
     preset: &[(u32, f64)],
     options: Options,
     progress: &dyn Fn(f64, &str),
-) -> Result<Outcome, CalibrateError> {
+) -> Result<Outcome, Refusal> {
     let begun = Instant::now();
     progress(0.0, "fitting the declared parameters");
     let deadline = options.budget.map_or_else(Deadline::default, Deadline::after);
@@ -87,8 +88,8 @@ pub fn run(
         outcome
     } else {
         progress(0.5, "values of the preset are right beside what was found; looking again");
-        let again = closed(&setup.until(time), options, begun, progress);
-        again.ok().filter(|again| !again.is_cut).unwrap_or(outcome)
+        let again = unless_unusable(closed(&setup.until(time), options, begun, progress))?;
+        again.filter(|again| !again.is_cut).unwrap_or(outcome)
     };
     progress(1.0, outcome.verdict.name());
     Ok(Outcome { seconds: begun.elapsed().as_secs_f64(), ..outcome })
@@ -108,13 +109,21 @@ fn in_time<T>(deadline: &Deadline, result: Result<T, CalibrateError>) -> Result<
     }
 }
 
+/// The outcome of a second search, or none if it fails; unusable data are an answer.
+fn unless_unusable(searched: Result<Outcome, Refusal>) -> Result<Option<Outcome>, Refusal> {
+    match searched {
+        Err(Refusal::Input(_)) => Ok(None),
+        searched => searched.map(Some),
+    }
+}
+
 /// The search, or two if the runs disagree.
 fn closed(
     setup: &Setup,
     options: Options,
     begun: Instant,
     progress: &dyn Fn(f64, &str),
-) -> Result<Outcome, CalibrateError> {
+) -> Result<Outcome, Refusal> {
     let mut setup = setup.clone();
     let deadline = setup.deadline().clone();
     // A preset that cannot be simulated says nothing about the noise.
@@ -135,28 +144,15 @@ fn closed(
         // An effect that acts only in some runs also makes runs disagree.
         Some(other) => {
             // A model that cannot be simulated in all runs is discarded.
-            let found = attempt(setup.until(rest(options, begun, FIRST)), plain, options, progress).ok();
-            if let Some(found) = found.as_ref().filter(|found| found.unusable.is_some()) {
-                return Ok(found.clone());
-            }
+            let found = attempt(setup.until(rest(options, begun, FIRST)), plain, options, progress);
+            let found = unless_unusable(found)?;
             let next =
                 attempt(other.setup.until(rest(options, begun, 1.0)), Ok(other.fitted), options, progress)?;
-            Ok(found.filter(|found| !found.effects.is_empty() && left(found) <= left(&next)).unwrap_or(next))
+            Ok(found
+                .filter(|found| !found.effects.is_empty() && found.misfit() <= next.misfit())
+                .unwrap_or(next))
         }
     }
-}
-
-/// Misfit in the fit and validation runs: sum of the log error variances of the outputs (normal density at the best variance).
-fn left(outcome: &Outcome) -> f64 {
-    let mut squares: Vec<(&str, f64)> = Vec::new();
-    for error in outcome.errors.iter().filter(|e| e.role != Role::Test && e.after.is_finite()) {
-        let square = error.after.powi(2).max(error.floor.powi(2));
-        match squares.iter_mut().find(|(column, _)| *column == error.column) {
-            Some((_, sum)) => *sum += square,
-            None => squares.push((error.column, square)),
-        }
-    }
-    squares.iter().map(|(_, sum)| sum.ln()).sum()
 }
 
 /// The search, starting from a first fit.
@@ -165,7 +161,7 @@ fn attempt<'a>(
     mut refit: Result<Fitted, CalibrateError>,
     options: Options,
     progress: &dyn Fn(f64, &str),
-) -> Result<Outcome, CalibrateError> {
+) -> Result<Outcome, Refusal> {
     let deadline = setup.deadline().clone();
     let measured = setup.noise.clone();
     setup.structure = Arc::default();
@@ -226,7 +222,9 @@ fn attempt<'a>(
             search_of.notes.push(format!("whether one law stands behind two effects could not be seen: {e}"));
         }
     }
-    let unusable = in_time(&deadline, search_of.zero_of_an_input())?.flatten();
+    if let Some(unusable) = in_time(&deadline, search_of.zero_of_an_input())?.flatten() {
+        return Err(Refusal::Unusable(unusable));
+    }
     let is_cut = deadline.is_near();
     search_of.is_cut = is_cut;
     deadline.lift();
@@ -234,7 +232,7 @@ fn attempt<'a>(
     let mut verdict = search_of.verdict()?;
     verdict.time_for_boxes = for_boxes;
     let outcome = estimates::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
-    Ok(Outcome { is_cut, unusable, ..outcome })
+    Ok(Outcome { is_cut, ..outcome })
 }
 
 /// State of a search.

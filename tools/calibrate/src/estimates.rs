@@ -201,7 +201,6 @@ pub fn outcome(
         verdict: judged.verdict,
         effects,
         unexplained: judged.unexplained,
-        unusable: None,
         parameters: estimates_of[..common].to_vec(),
         released: setup.declared.iter().filter(|d| d.is_released).map(|d| d.name.clone()).collect(),
         of_runs,

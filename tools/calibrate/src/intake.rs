@@ -33,7 +33,7 @@ use crate::experiment::{CELSIUS, Channel, Experiment, Role, Run, Start};
 use crate::fit::is_wide;
 use crate::hypothesis::Hypothesis;
 use crate::levels::{SAMPLES, SMALL, STRUCTURE};
-pub use crate::outcome::Unusable;
+pub use crate::outcome::{Refusal, Unusable};
 use crate::overrides::Override;
 use crate::parallel;
 use crate::setup::Setup;
@@ -53,21 +53,6 @@ const FAR: f64 = 10.0;
 
 /// Predictions by run, then by output, then by row.
 type Predicted = Vec<Vec<Vec<f64>>>;
-
-/// Reason why an experiment is rejected.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Refusal {
-    /// The data contradict the model, or too many sensors are set aside.
-    Unusable(Unusable),
-    /// The input is incomplete.
-    Input(CalibrateError),
-}
-
-impl From<CalibrateError> for Refusal {
-    fn from(error: CalibrateError) -> Refusal {
-        Refusal::Input(error)
-    }
-}
 
 /// Checks an experiment and sets aside invalid readings; `preset` are the start values of its preset, by value reference. Result: whether all
 /// checks were made. Work that the deadline cuts off leads to no conclusion, and a note says so.

@@ -1,5 +1,6 @@
 //! Result of a close-loop run as data: everything that a report contains.
 
+use crate::CalibrateError;
 use crate::experiment::Role;
 use physics::terms::{GenericTerm, Port};
 
@@ -12,6 +13,21 @@ pub struct Unusable {
     pub reason: String,
     /// Suggested correction.
     pub suggestion: String,
+}
+
+/// Reason why an experiment is rejected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// The data contradict the model, or too many sensors are set aside.
+    Unusable(Unusable),
+    /// The input is incomplete.
+    Input(CalibrateError),
+}
+
+impl From<CalibrateError> for Refusal {
+    fn from(error: CalibrateError) -> Refusal {
+        Refusal::Input(error)
+    }
 }
 
 /// Conclusion about the model.
@@ -280,8 +296,6 @@ pub struct Outcome {
     pub effects: Vec<Found>,
     /// Structured residual that no effect explains.
     pub unexplained: Option<Unexplained>,
-    /// The reading of an input that explains what was found.
-    pub unusable: Option<Unusable>,
     /// Declared parameters of the repaired model.
     pub parameters: Vec<Estimate>,
     /// Those of them that have no prior in the experiment.
@@ -321,6 +335,19 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Misfit in the fit and validation runs: sum of the log error variances of the outputs (normal density at the best variance).
+    pub fn misfit(&self) -> f64 {
+        let mut squares: Vec<(&str, f64)> = Vec::new();
+        for error in self.errors.iter().filter(|e| e.role != Role::Test && e.after.is_finite()) {
+            let square = error.after.powi(2).max(error.floor.powi(2));
+            match squares.iter_mut().find(|(column, _)| *column == error.column) {
+                Some((_, sum)) => *sum += square,
+                None => squares.push((error.column, square)),
+            }
+        }
+        squares.iter().map(|(_, sum)| sum.ln()).sum()
+    }
+
     /// Parameters without prior whose 95 % intervals contain the values of the preset, if effects were found.
     pub fn stood_in(&self) -> Vec<String> {
         let keeps = |p: &&Estimate| p.ci95.0 <= p.prior && p.prior <= p.ci95.1;

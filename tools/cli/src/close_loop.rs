@@ -92,30 +92,29 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     let bar = Progress::new("checking the data");
     // Checks come before the search: what is found in data that were not checked may be an ordinary mistake.
     let checked = Deadline::after(Duration::from_secs_f64((1.0 - KEPT) * args.budget));
-    let is_checked = match intake::check(&mut experiment, &preset.starts.entries(), &checked) {
-        Ok(is_complete) => is_complete,
+    let checked = intake::check(&mut experiment, &preset.starts.entries(), &checked);
+    let searched = checked.and_then(|is_checked| {
+        let left = (1.0 - KEPT) * args.budget - begun.elapsed().as_secs_f64();
+        let options = Options {
+            budget: Some(Duration::from_secs_f64(left.max(0.1))),
+            extent: match (fit_only, is_checked) {
+                (true, _) => Extent::Fit,
+                (false, true) => Extent::Search,
+                (false, false) => Extent::Unchecked,
+            },
+        };
+        close_loop::run(&experiment, &preset.starts.entries(), options, &|share, what| {
+            bar.set(what, SEARCH * share.clamp(0.0, 1.0));
+        })
+    });
+    let outcome = match searched {
+        Ok(outcome) => outcome,
         Err(Refusal::Input(error)) => return Err(error.into()),
         Err(Refusal::Unusable(why)) => {
             bar.finish();
             return unusable(args, &experiment, &why, &made_of, begun.elapsed().as_secs_f64());
         }
     };
-    let left = (1.0 - KEPT) * args.budget - begun.elapsed().as_secs_f64();
-    let options = Options {
-        budget: Some(Duration::from_secs_f64(left.max(0.1))),
-        extent: match (fit_only, is_checked) {
-            (true, _) => Extent::Fit,
-            (false, true) => Extent::Search,
-            (false, false) => Extent::Unchecked,
-        },
-    };
-    let outcome = close_loop::run(&experiment, &preset.starts.entries(), options, &|share, what| {
-        bar.set(what, SEARCH * share.clamp(0.0, 1.0));
-    })?;
-    if let Some(why) = &outcome.unusable {
-        bar.finish();
-        return unusable(args, &experiment, why, &made_of, begun.elapsed().as_secs_f64());
-    }
     bar.set("export", SEARCH);
     let exported = export::export(&experiment, &outcome, &made_of, &args.out)?;
     bar.set("replay", 0.95);

@@ -114,7 +114,6 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         verdict,
         effects,
         unexplained,
-        unusable: None,
         released: Vec::new(),
         parameters: vec![
             estimate("motor.R_ref", 0.391, 0.002, 0.386, "Ohm"),
