@@ -202,6 +202,16 @@ impl Experiment {
         Experiment::parse(&text, file, &folder)
     }
 
+    /// Index of an output's column in the table of a run.
+    pub fn place_of(&self, output: usize) -> usize {
+        self.inputs.len() + output
+    }
+
+    /// Readings of an output in a run, row by row; NaN where there is none.
+    pub fn readings(&self, run: usize, output: usize) -> &[f64] {
+        &self.runs[run].table.columns[self.place_of(output)]
+    }
+
     /// Indices of the runs with a role.
     pub fn of_role(&self, role: Role) -> Vec<usize> {
         (0..self.runs.len()).filter(|r| self.runs[*r].role == role).collect()

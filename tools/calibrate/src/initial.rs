@@ -68,7 +68,7 @@ pub fn measured<'a>(experiment: &'a Experiment, run: &'a Run) -> impl Iterator<I
 pub fn sensors(experiment: &Experiment, run: &Run) -> Vec<Warm> {
     let mut all: Vec<Warm> = Vec::new();
     for (output, channel) in experiment.outputs.iter().enumerate() {
-        let column = &run.table.columns[experiment.inputs.len() + output];
+        let column = &run.table.columns[experiment.place_of(output)];
         let first = column.iter().copied().find(|v| v.is_finite());
         let node = channel.node().filter(|node| all.iter().all(|known| known.node != *node));
         let read: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
@@ -335,7 +335,7 @@ mod tests {
         let truth = [333.15, 323.15];
         let mut experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
         experiment.runs[0].start = crate::experiment::Start::Measured;
-        let [winding, housing] = [2, 3].map(|output| experiment.inputs.len() + output);
+        let [winding, housing] = [2, 3].map(|output| experiment.place_of(output));
         for (column, value) in [winding, housing].into_iter().zip(truth) {
             experiment.runs[0].table.columns[column].fill(value);
         }
@@ -372,7 +372,7 @@ mod tests {
         let truth = [353.15, 333.15];
         let mut experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
         experiment.runs[0].start = crate::experiment::Start::Measured;
-        let [winding, housing] = [2, 3].map(|output| experiment.inputs.len() + output);
+        let [winding, housing] = [2, 3].map(|output| experiment.place_of(output));
         experiment.runs[0].table.columns[winding].fill(truth[0]);
         experiment.runs[0].table.columns[housing].fill(truth[1]);
         let bench = Bench::new(&experiment, &[]).unwrap();

@@ -148,7 +148,7 @@ impl Setup<'_> {
 
     /// Lowers the noise of an output to what is `left`, unless the experiment states it.
     fn lower(&mut self, output: usize, left: f64) {
-        let (channel, n) = (self.experiment.outputs[output], self.experiment.inputs.len() + output);
+        let (channel, n) = (self.experiment.outputs[output], self.experiment.place_of(output));
         if left < NEARLY * self.sensor_noise(output) && !is_stated(self.experiment, channel) {
             let between = self.between.get(output).copied().unwrap_or(0.0);
             self.noise[n] = between.hypot(left.max(least(self.experiment, n, channel)));

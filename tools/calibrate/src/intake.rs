@@ -424,14 +424,20 @@ fn structure(experiment: &Experiment, runs: &[usize], output: usize) -> f64 {
     STRUCTURE * (square * count / samples).sqrt()
 }
 
+/// Deviation of an output's readings in a run from its prediction, by row.
+fn deviation(experiment: &Experiment, predicted: &[Vec<f64>], output: usize, run: usize) -> Vec<f64> {
+    let column = experiment.readings(run, output);
+    let Some(model) = predicted.get(output) else { return vec![f64::NAN; column.len()] };
+    column.iter().zip(model).map(|(y, p)| y - p).collect()
+}
+
 /// Mean square of an output over runs (temperatures: rise over ambient), and the number of its readings.
 pub fn mean_square(experiment: &Experiment, runs: &[usize], output: usize) -> (f64, usize) {
-    let place = experiment.inputs.len() + output;
     let is_temperature = experiment.outputs[output].is_temperature();
     let (mut sum, mut count) = (0.0, 0);
-    for run in runs.iter().map(|r| &experiment.runs[*r]) {
-        let zero = ambient(experiment, run);
-        for (y, zero) in run.table.columns[place].iter().zip(zero).filter(|(y, _)| y.is_finite()) {
+    for run in runs {
+        let zero = ambient(experiment, &experiment.runs[*run]);
+        for (y, zero) in experiment.readings(*run, output).iter().zip(zero).filter(|(y, _)| y.is_finite()) {
             sum += (y - if is_temperature { zero } else { 0.0 }).powi(2);
             count += 1;
         }

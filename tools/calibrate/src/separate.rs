@@ -231,7 +231,8 @@ mod tests {
         let mut experiment = testing::experiment("", true);
         let place = experiment.outputs.iter().position(|c| c.column == "winding_temperature_degC").unwrap();
         experiment.outputs.remove(place);
-        experiment.runs[0].table.columns.remove(experiment.inputs.len() + place);
+        let column = experiment.place_of(place);
+        experiment.runs[0].table.columns.remove(column);
         let setup = Setup::new(&experiment, &[]).unwrap();
         let (one, other) =
             (with(&setup, "winding_sensor_offset", 0.0), with(&setup, "winding_sensor_offset", 3.0));

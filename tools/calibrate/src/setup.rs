@@ -247,7 +247,7 @@ impl<'a> Setup<'a> {
 
     /// Noise of an output.
     pub fn sigma(&self, output: usize) -> f64 {
-        self.noise[self.experiment.inputs.len() + output]
+        self.noise[self.experiment.place_of(output)]
     }
 
     /// Noise of an output without the disagreement between runs.

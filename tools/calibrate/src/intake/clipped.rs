@@ -126,7 +126,7 @@ mod tests {
     fn readings_at_the_end_of_a_sensor_are_set_aside() {
         let of = |place: usize, shown: &dyn Fn(f64, f64) -> f64| {
             let (mut experiment, mut rng) = (testing::experiment("", true), rng(2));
-            let (k, offset) = (experiment.inputs.len() + place, experiment.outputs[place].offset);
+            let (k, offset) = (experiment.place_of(place), experiment.outputs[place].offset);
             let table = &mut experiment.runs[0].table;
             let rows = table.time.len();
             table.columns[k] = (0..rows).map(|k| shown(k as f64, normal(&mut rng)) + offset).collect();

@@ -43,8 +43,7 @@ fn jump(
     let outputs = experiment.outputs.iter().enumerate().filter(|(_, channel)| channel.is_temperature());
     let changes = outputs.filter_map(|(k, channel)| {
         let change = |column: &[f64]| column[row + 1] - column[row];
-        let (measured, meant) =
-            (change(&run.table.columns[experiment.inputs.len() + k]), change(model.get(k)?));
+        let (measured, meant) = (change(&run.table.columns[experiment.place_of(k)]), change(model.get(k)?));
         (measured.is_finite() && meant.abs() > FACTOR * SENSOR_ERROR).then_some((
             channel.column,
             measured,

@@ -104,7 +104,7 @@ pub fn check(
         let (channel, reason) = match shift.who {
             Who::Output(k) => {
                 let column = experiment.outputs[k].column;
-                let place = experiment.inputs.len() + k;
+                let place = experiment.place_of(k);
                 experiment.runs.iter_mut().for_each(|r| r.table.columns[place].fill(f64::NAN));
                 let files: Vec<&str> = experiment.runs.iter().map(|r| r.file.as_str()).collect();
                 experiment.notes.push(format!(

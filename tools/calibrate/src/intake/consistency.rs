@@ -294,7 +294,7 @@ pub fn without(
     (output, runs): (usize, &[usize]),
     deadline: &Deadline,
 ) -> Result<Option<(Hypothesis, f64)>, CalibrateError> {
-    let others = blanked(&thinned(experiment, ROWS), runs, experiment.inputs.len() + output);
+    let others = blanked(&thinned(experiment, ROWS), runs, experiment.place_of(output));
     let cost = fitted(&Judge::of(preset, &super::all_runs(experiment), deadline), &others)?;
     let agrees = !cost.is_cut && cost.bad_runs().is_empty();
     let whole = cost.whole();
@@ -327,7 +327,7 @@ fn references(
     let own = as_is.best.filter(|_| !is_strained).map(|best| best.hypothesis);
     let of = |output: usize| -> Result<Option<Reference>, CalibrateError> {
         if !agrees && !judge.deadline.is_near() {
-            let others = fitted(judge, &blanked(experiment, judge.runs, experiment.inputs.len() + output))?;
+            let others = fitted(judge, &blanked(experiment, judge.runs, experiment.place_of(output)))?;
             if !others.is_cut
                 && others.bad_runs().is_empty()
                 && let Some(best) = others.best

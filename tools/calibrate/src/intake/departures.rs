@@ -74,7 +74,7 @@ pub(super) fn of(experiment: &Experiment, output: usize, off: &[Vec<f64>]) -> Ve
         let there: Vec<usize> = (0..off.len()).filter(|k| off[*k].is_finite()).collect();
         let table = &run.table;
         let pick = |of: &[f64]| -> Vec<f64> { there.iter().map(|k| of[*k]).collect() };
-        let (time, read) = (pick(&table.time), pick(&table.columns[experiment.inputs.len() + output]));
+        let (time, read) = (pick(&table.time), pick(&table.columns[experiment.place_of(output)]));
         let model: Vec<f64> = read.iter().zip(pick(off)).map(|(y, e)| y - e).collect();
         let sigma = noise::of_column(&time, &read).unwrap_or(0.0);
         let is_steady = |k: usize, j: usize| {

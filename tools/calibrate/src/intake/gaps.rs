@@ -15,7 +15,7 @@
 
 use super::response::ENOUGH;
 use super::signals::{NEAR, SENSOR_ERROR};
-use super::{Predicted, all_runs, consistency, counted, median, predicted_by, range, sorted};
+use super::{Predicted, all_runs, consistency, counted, deviation, median, predicted_by, range, sorted};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Start};
@@ -109,8 +109,8 @@ fn greatest(experiment: &Experiment, predicted: &Predicted) -> Option<Break> {
         let gaps = own.table.gaps().map(|row| (row, (own.table.time[row], own.table.time[row + 1])));
         let gaps: Vec<_> = gaps.filter(|(row, _)| *row + 1 < own.table.time.len()).collect();
         let of = |output: &usize| {
-            let off = deviation(experiment, predicted, *output, run);
-            let readings = &own.table.columns[experiment.inputs.len() + output];
+            let off = deviation(experiment, &predicted[run], *output, run);
+            let readings = experiment.readings(run, *output);
             let least = SENSOR_ERROR.min(STRUCTURE * range(readings.iter().copied()));
             let breaks = gaps.iter().map(|(row, ends)| {
                 let change = step(&off, *row, *row + 1);
@@ -126,20 +126,13 @@ fn greatest(experiment: &Experiment, predicted: &Predicted) -> Option<Break> {
 /// What is usual of the changes of a deviation within some seconds, in all runs.
 fn usual(experiment: &Experiment, predicted: &Predicted, output: usize, seconds: f64) -> f64 {
     let all = experiment.runs.iter().enumerate().flat_map(|(run, own)| {
-        let (off, time) = (deviation(experiment, predicted, output, run), &own.table.time);
+        let (off, time) = (deviation(experiment, &predicted[run], output, run), &own.table.time);
         let later = |k: usize| time.partition_point(|t| *t < time[k] + seconds);
         let pairs = (0..time.len()).step_by(NEAR).map(|k| (k, later(k))).filter(|(_, j)| *j < time.len());
         pairs.map(|(k, j)| step(&off, k, j).abs()).collect::<Vec<_>>()
     });
     let all = sorted(all);
     all.get((USUAL * all.len() as f64) as usize).copied().unwrap_or(0.0)
-}
-
-/// Deviation of an output's readings from a prediction, by row.
-fn deviation(experiment: &Experiment, predicted: &Predicted, output: usize, run: usize) -> Vec<f64> {
-    let column = &experiment.runs[run].table.columns[experiment.inputs.len() + output];
-    let Some(model) = predicted[run].get(output) else { return vec![f64::NAN; column.len()] };
-    column.iter().zip(model).map(|(y, p)| y - p).collect()
 }
 
 /// Median from one row on minus median up to another one, over [`NEAR`] readings or fewer.

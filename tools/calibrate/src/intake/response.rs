@@ -17,7 +17,7 @@
 
 use super::signals::{NEAR, WIDEST};
 use super::steps::{Record, Steps, UNPREDICTED};
-use super::{FAR, Predicted, ambient, departures, median, sorted};
+use super::{FAR, Predicted, ambient, departures, deviation, median, sorted};
 use crate::experiment::{Channel, Experiment};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
@@ -56,9 +56,16 @@ pub(super) struct Pair {
     pub(super) model: Vec<f64>,
 }
 
+impl Pair {
+    /// Deviation from the prediction.
+    fn off(&self) -> Vec<f64> {
+        self.read.iter().zip(&self.model).map(|(y, p)| y - p).collect()
+    }
+}
+
 pub(super) fn pair(experiment: &Experiment, predicted: &[Vec<f64>], run: usize, output: usize) -> Pair {
     let of = &experiment.runs[run];
-    let column = &of.table.columns[experiment.inputs.len() + output];
+    let column = &of.table.columns[experiment.place_of(output)];
     let Some(model) = predicted.get(output) else {
         return Pair { rows: Vec::new(), read: Vec::new(), model: Vec::new() };
     };
@@ -119,11 +126,7 @@ pub fn set_aside(
     let deviations = LazyCell::new(deviations);
     let mut failures: Vec<Failure> = Vec::new();
     // Deviation of a channel, by row of a run, from the prediction of an output's fit.
-    let off = |of: usize, output: usize, run: usize| -> Vec<f64> {
-        let column = &experiment.runs[run].table.columns[experiment.inputs.len() + output];
-        let Some(model) = fitted[of][run].get(output) else { return vec![f64::NAN; column.len()] };
-        column.iter().zip(model).map(|(y, p)| y - p).collect()
-    };
+    let off = |of: usize, output: usize, run: usize| deviation(experiment, &fitted[of][run], output, run);
     for output in 0..experiment.outputs.len() {
         let channel = experiment.outputs[output];
         let mut pairs: Vec<Pair> =
@@ -147,7 +150,7 @@ pub fn set_aside(
                 continue;
             }
             let table = &experiment.runs[run].table;
-            let first = experiment.inputs.len() + output;
+            let first = experiment.place_of(output);
             let column: Vec<f64> = own.rows.iter().map(|row| table.columns[first][*row]).collect();
             let time: Vec<f64> = own.rows.iter().map(|row| table.time[*row]).collect();
             let sigma = noise::of_column(&time, &column).unwrap_or(0.0);
@@ -240,8 +243,8 @@ pub fn set_aside(
 fn blank(experiment: &mut Experiment, failures: &[Failure], k: usize) -> String {
     let Failure { output, run, bad, is_moved, why, sigma, own, .. } = &failures[k];
     let channel = experiment.outputs[*output];
-    let first = experiment.inputs.len() + output;
-    let deviation: Vec<f64> = own.read.iter().zip(&own.model).map(|(y, m)| y - m).collect();
+    let first = experiment.place_of(*output);
+    let deviation = own.off();
     let off: Vec<f64> = deviation.iter().map(|x| x.abs()).collect();
     let usual = sorted(off.iter().zip(bad).filter(|(_, bad)| !**bad).map(|(x, _)| *x));
     let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(0.0);
@@ -347,11 +350,6 @@ impl Judge<'_> {
         stretches.iter().filter(|s| long(s)).flat_map(|(a, b)| *a..=*b).collect()
     }
 
-    /// Deviation from the prediction.
-    fn off(&self) -> Vec<f64> {
-        self.own.read.iter().zip(&self.own.model).map(|(y, p)| y - p).collect()
-    }
-
     fn steps<'b>(&'b self, off: &'b [f64]) -> Steps<'b> {
         Steps { run: self.run, off, time: self.time, rows: &self.own.rows, record: self.record }
     }
@@ -359,7 +357,7 @@ impl Judge<'_> {
     /// Sections between jumps that deviate far more from the prediction than the best one. If there is none, all but one section
     /// between jumps that the model does not predict: a sensor that has moved reads differently before and after.
     fn jumped(&self) -> Vec<usize> {
-        let deviation = self.off();
+        let deviation = self.own.off();
         let steps = self.steps(&deviation);
         let mut jumps = super::signals::jumps(self.column);
         jumps.retain(|k| steps.is_sudden(*k, deviation[*k] - deviation[*k - 1]));
@@ -386,7 +384,7 @@ impl Judge<'_> {
         if !self.channel.is_temperature() {
             return (Vec::new(), false);
         }
-        let off = self.off();
+        let off = self.own.off();
         let steps = self.steps(&off);
         let mut jumps = super::signals::jumps(self.column);
         jumps.extend(super::signals::small_jumps(&off, self.column));

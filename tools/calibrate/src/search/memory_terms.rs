@@ -107,7 +107,7 @@ fn stood(point: &Linearization, driver: Driver) -> Vec<Vec<f64>> {
     runs.map(|(run, tangent)| {
         let own = || tangent.drivers.iter().map(|d| d.of(driver));
         let Some(output) = output else { return own().collect() };
-        let measured = &experiment.runs[*run].table.columns[experiment.inputs.len() + output];
+        let measured = experiment.readings(*run, output);
         measured.iter().zip(own()).map(|(m, own)| if m.is_finite() { *m } else { own }).collect()
     })
     .collect()

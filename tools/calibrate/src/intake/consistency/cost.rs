@@ -206,7 +206,7 @@ pub(super) fn crossed(
 ) -> Result<Predicted, CalibrateError> {
     let mut all = predicted.clone();
     for output in 0..experiment.outputs.len() {
-        let others = blanked(experiment, judge.runs, experiment.inputs.len() + output);
+        let others = blanked(experiment, judge.runs, experiment.place_of(output));
         let Prepared { setup, fitted, .. } = Prepared::new(judge, &others)?;
         let Ok(fitted) = setup.fit(setup.preset(), &fitted) else { continue };
         let Ok(shown) = setup.show(&fitted.hypothesis, judge.runs) else { continue };

@@ -148,7 +148,7 @@ fn implied(
     output: usize,
 ) -> Option<Changed> {
     let row = super::super::declaration(experiment)?.by_name(experiment.inputs[column].input?)?.row;
-    let by = experiment.inputs.len() + output;
+    let by = experiment.place_of(output);
     let mut changed = experiment.clone();
     let mut shown = predicted.clone();
     for _ in 0..ITERATIONS {
