@@ -14,6 +14,7 @@ import json
 import sys
 import textwrap
 import time
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from clients.paths import EXAMPLES
 from clients.program import motor_fmu
 
 LOAD = str(EXAMPLES / "loads" / "walk.toml")
+ACTUATOR = tomllib.loads(Path(LOAD).read_text(encoding="utf-8"))["actuator"]
 PRESET = "thesis-rig"
 FIGURE = "walking-study.svg"
 # Outer diameter, m, and mass, kg, of the thesis's two annuli, and one half way between.
@@ -224,7 +226,7 @@ def ended(cell: dict) -> str:
 
 
 def declared_design(answer: dict) -> str:
-    """Level walking with the declared ratio and spring."""
+    """Level walking with the ratio and spring of `walk.toml`."""
     cells = {name: answer["activities"][name][LEVEL] for name in SHOWN}
     times = listed([f"{name} {ended(cell)}" for name, cell in cells.items()])
     supports = listed([f"{name} {percent(cell['continuous_support'])}" for name, cell in cells.items()])
@@ -235,9 +237,9 @@ def declared_design(answer: dict) -> str:
         for name, cell in cells.items()
         if name != REFERENCE
     ]
-    return f"""With the declared transmission ratio and spring stiffness and the whole biological torque of the ankle of a person of 75 kg, the
-    winding reaches its temperature limit: {times}. The continuous support is the fraction of the biological torque that the actuator can
-    deliver continuously: {supports}. Effect of cooling: {listed(gains)}."""
+    return f"""With the transmission ratio ({ACTUATOR[RATIO]:.0f} : 1) and spring stiffness ({ACTUATOR[SPRING]['value']:.0f} N.m/rad) of `walk.toml`
+    and the whole biological torque of the ankle of a person of 75 kg, the winding reaches its temperature limit: {times}. The continuous
+    support is the fraction of the biological torque that the actuator can deliver continuously: {supports}. Effect of cooling: {listed(gains)}."""
 
 
 def grid_words() -> str:
@@ -247,12 +249,12 @@ def grid_words() -> str:
 
 
 def best_designs(answer: dict) -> str:
-    """The best ratio and spring of each arrangement, with the gain against its declared ones, and edges of the grid."""
+    """The best ratio and spring of each arrangement, with the gain against those of `walk.toml`, and edges of the grid."""
     designs = answer["designs"]
     gain = lambda d: f"{100.0 * (d['best']['support'] / d['declared'] - 1.0):+.0f} %"  # noqa: E731
     best = [f"{name} {d['best']['continuous_torque_Nm']:.0f} N.m at {at(d['best'])} ({gain(d)})" for name, d in designs.items()]
     text = f"""Transmission ratio and spring stiffness were varied over a grid ({grid_words()}). Continuous torque on level ground with the best
-    ratio and stiffness of the grid, and its change relative to the declared ratio and stiffness of the same arrangement:
+    ratio and stiffness of the grid, and its change relative to those of `walk.toml` in the same arrangement:
     {"; ".join(best)}."""
     edges: dict = {}
     for name, design in designs.items():
@@ -283,7 +285,7 @@ def robust_designs(answer: dict) -> str:
             if level["support"][activity] < declared[activity]
         ]
         first = f"{name[0].upper()}{name[1:]}: the best design on level ground, {at(level)},"
-        verdict = f"gives less support than the declared design: {listed(worse)}" if worse else "gives at least the support of the declared design in every activity"
+        verdict = f"gives less support than the design of `walk.toml`: {listed(worse)}" if worse else "gives at least the support of the design of `walk.toml` in every activity"
         sentences.append(f"{first} {verdict}.")
         supports = listed([f"{activity} {percent(robust['support'][activity])}" for activity in DESIGNED_FOR])
         sentences.append(f"The design with the greatest support in its worst activity has {at(robust)}: {supports}.")
@@ -316,7 +318,7 @@ def markdown(answer: dict) -> str:
     ]
     fill = lambda paragraph: textwrap.fill(" ".join(paragraph.split()), 128, break_on_hyphens=False)  # noqa: E731
     text = "# Continuous torque with fan and annulus in walking\n\n" + "\n\n".join(map(fill, paragraphs)) + "\n"
-    text += "\n## Activities with the declared ratio and stiffness\n"
+    text += "\n## Activities with the ratio and stiffness of `walk.toml`\n"
     text += "\n| activity | " + " | ".join(SHOWN) + " | gait data |\n" + "|---" * (2 + len(SHOWN)) + "|\n"
     for activity in ACTIVITIES:
         cells = []

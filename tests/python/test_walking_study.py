@@ -52,7 +52,7 @@ def page(study, answer):
 def test_an_optimum_inside_the_grid_has_no_warning(study, answer):
     text = page(study, answer)
     assert "may lie outside" not in text and "less support" not in text and "infeasible" not in text
-    assert "at least the support of the declared design in every activity" in text
+    assert "at least the support of the design of `walk.toml` in every activity" in text
 
 
 def test_an_optimum_at_the_edge_is_flagged(study, answer):

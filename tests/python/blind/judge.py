@@ -24,6 +24,7 @@ OUTCOMES += (TRACED, OTHER_CHANNEL, UNNOTICED, REFUSED_GOOD, NO_REPORT)
 TITLES = {
     RIGHT: "correct",
     STRUCTURE: "real difference",
+    BELOW: "not visible, not reported",
     CLASS_WITH: "in a class with the true effect",
     UNEXPLAINED: "law instead of or besides the effect",
     TRACED: "mistake reported as an effect",

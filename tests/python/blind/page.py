@@ -41,6 +41,8 @@ An effect is *visible* if it changes a channel of the fit runs by at least noise
 declared parameters. The *floor* is the error of the true model with the measured inputs. Test errors are those of the channel with the largest ratio to
 its floor. A report that names a real difference between the two models (for example a second heat capacity) is not counted as a false alarm
 (column "{real}"). In sets with a mistake, such a report is correct if it also recognises the mistake.
+Column "{below}": the effect is not visible and nothing wrong was reported. If it was reported correctly nevertheless,
+the set is in column "{right}".
 A driver counts as correct if its best function explains 98 % of the law over the fit runs.
 
 A rate meets its criterion if it is on the right side of the limit and its 95 % interval (Clopper and Pearson) does not cross the stated bound
@@ -95,7 +97,8 @@ def section(stored: dict, newest: bool) -> str:
 def page(tables: list) -> str:
     """Newest first."""
     order = sorted(tables, key=lambda t: (t["date"], t["seed"]), reverse=True)
-    parts = [HEAD.format(command=order[0]["command"] or "python -m blind.score", low=j.LOW, real=j.title(j.STRUCTURE))]
+    columns = {"real": j.title(j.STRUCTURE), "below": j.title(j.BELOW), "right": j.title(j.RIGHT)}
+    parts = [HEAD.format(command=order[0]["command"] or "python -m blind.score", low=j.LOW, **columns)]
     return "\n".join([*parts, *(section(t, t is order[0]) for t in order), AGAIN])
 
 

@@ -4,7 +4,7 @@
 //!
 //! | port | effect of y | drivers evaluated within a step |
 //! |---|---|---|
-//! | drag_torque | y tanh(w / w_small), N.m: y > 0 brakes in both directions and heats the housing | all |
+//! | drag_torque | y tanh(w / w_small), N.m: y > 0 brakes in both directions and heats the nodes that friction heats | all |
 //! | terminal_voltage | y tanh(I / 0.05 A), V: y > 0 is a loss for both signs of I and heats the winding | all |
 //! | series_voltage | y, V, against a positive I for both signs of I: a thermoelectric voltage, the zero of an amplifier; y I heats the winding | all |
 //! | winding_resistance, torque_constant | multiplied by 1 + y | all |

@@ -90,7 +90,7 @@ impl Datasheet {
         self.value(key).map(|v| v.si)
     }
 
-    /// The same sheet, where a friction torque beside a dynamic one is the static one.
+    /// The same sheet; if dynamic friction is printed, `friction_torque` is read as the static one.
     fn with_static_friction(&self) -> Datasheet {
         let mut sheet = self.clone();
         let is_split = sheet.value("dynamic_friction").is_some();

@@ -29,8 +29,8 @@ pub trait Method: Debug + Sync {
     fn gap(&self, _parameters: &Parameters) -> Option<Gap> {
         None
     }
-    /// Whether the coefficients bend no more over the temperatures than those of natural convection, so that the curvature need not be
-    /// measured at each evaluation: a quarter to a third of the computing time of the coefficients. A test checks it.
+    /// Whether the curvature of the coefficients over the temperatures is at most that of natural convection, so that it need not be
+    /// estimated at each evaluation: a quarter to a third of the computing time of the coefficients. A test checks it.
     fn is_smooth(&self) -> bool {
         false
     }
