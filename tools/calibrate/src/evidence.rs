@@ -285,6 +285,7 @@ impl Evidence {
         self.settle();
         for noise in &mut self.noises {
             (noise.z, noise.ztz) = (DMatrix::zeros(0, 0), DMatrix::zeros(0, 0));
+            noise.states.iter_mut().for_each(|state| drop(state.inverse.take()));
         }
     }
 

@@ -33,7 +33,7 @@ struct Course {
 impl Course {
     fn of(experiment: &Experiment, predicted: &[Vec<f64>], output: usize, run: usize) -> Course {
         let table = &experiment.runs[run].table;
-        let column = &table.columns[experiment.place_of(output)];
+        let column = experiment.readings(run, output);
         let model = predicted.get(output).map_or(&[][..], Vec::as_slice);
         let mut course = Course { since: Vec::new(), off: Vec::new(), model: Vec::new() };
         let mut first = None;

@@ -65,7 +65,7 @@ impl Pair {
 
 pub(super) fn pair(experiment: &Experiment, predicted: &[Vec<f64>], run: usize, output: usize) -> Pair {
     let of = &experiment.runs[run];
-    let column = &of.table.columns[experiment.place_of(output)];
+    let column = experiment.readings(run, output);
     let Some(model) = predicted.get(output) else {
         return Pair { rows: Vec::new(), read: Vec::new(), model: Vec::new() };
     };
