@@ -18,7 +18,7 @@ use physics::model::{Declaration, ModelType};
 use serde::Deserialize;
 use settings::{parameter, settings};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::{Spanned, Value};
 
 /// The column of the ambient temperature.
@@ -198,8 +198,7 @@ impl Experiment {
         let file = path.display().to_string();
         let text =
             delimited::read_text(path).map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
-        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
-        Experiment::parse(&text, file, &folder)
+        Experiment::parse(&text, file, delimited::folder(path))
     }
 
     /// Index of an output's column in the table of a run.

@@ -155,6 +155,16 @@ impl Warm {
     }
 }
 
+/// A model at the start of a run.
+pub struct Started {
+    /// The model.
+    pub model: Box<dyn Model>,
+    /// Temperatures that the sensors of [`Drive::warm`] indicate, K.
+    pub indicated: Vec<f64>,
+    /// Initial temperatures of its nodes, K.
+    pub initial: Vec<(Slot, f64)>,
+}
+
 impl Drive {
     /// Whether the run has enough rows for (1).
     pub fn estimates_start(&self) -> bool {
@@ -163,16 +173,18 @@ impl Drive {
 }
 
 impl Bench {
-    /// Temperatures that the sensors of [`Drive::warm`] indicate at the start by (1), K; the first readings where (1) has no solution, or
-    /// one that the model refuses.
+    /// A model at the start of a run: the sensors of [`Drive::warm`] indicate what (1) gives; the first readings where (1) has no solution,
+    /// or one that the model refuses.
     ///
     /// # Errors
     /// The message of the model if it cannot start.
-    pub fn first_readings(&self, drive: &Drive, change: &Override) -> Result<Vec<f64>, CalibrateError> {
+    pub fn started(&self, drive: &Drive, change: &Override) -> Result<Started, CalibrateError> {
         let first: Vec<f64> = drive.warm.iter().map(|sensor| sensor.first).collect();
-        let Some((step, ..)) = self.estimated_start(drive, change, &first)? else { return Ok(first) };
-        let solved: Vec<f64> = first.iter().zip(step.iter()).map(|(first, step)| first + step).collect();
-        Ok(if self.begin_at(drive, change, &solved).is_ok() { solved } else { first })
+        let solved = self.estimated_start(drive, change, &first)?.and_then(|(step, ..)| {
+            let solved: Vec<f64> = first.iter().zip(step.iter()).map(|(first, step)| first + step).collect();
+            self.begin_at(drive, change, &solved).ok()
+        });
+        solved.map_or_else(|| self.begin_at(drive, change, &first), Ok)
     }
 
     /// Readings of each sensor of [`Drive::warm`] over the rows of (1), K, with the standard deviation relative to the differences between the
@@ -222,7 +234,7 @@ impl Bench {
         change: &Override,
         indicated: &[f64],
     ) -> Result<Option<Vec<Vec<f64>>>, CalibrateError> {
-        let mut model = self.begin_at(drive, change, indicated)?;
+        let mut model = self.begin_at(drive, change, indicated)?.model;
         // The start of a run is the same for every accuracy of its simulation.
         model.ease(1.0);
         let rows = drive.warm.iter().map(Warm::rows).max().unwrap_or(0);
@@ -345,7 +357,7 @@ mod tests {
         for late in [0.0, 30.0] {
             let change = Override { values: vec![(lag, late)], ..Override::default() };
             let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-            let mut model = bench.begin_at(&drive, &change, &truth).unwrap();
+            let mut model = bench.begin_at(&drive, &change, &truth).unwrap().model;
             let mut shown = vec![Vec::new(); 4];
             bench
                 .along(&drive, model.as_mut(), |model, _| {
@@ -357,7 +369,7 @@ mod tests {
             shown[3][0] += 2.0;
             experiment.runs[0].table.columns.splice(experiment.inputs.len().., shown);
             let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-            let found = bench.first_readings(&drive, &change).unwrap();
+            let found = bench.started(&drive, &change).unwrap().indicated;
             // 15 rows: 0.2 / sqrt(15) = 0.05 K, and a fifteenth of 2 K; a winding that cools down faster has fewer.
             assert!(
                 (found[1] - truth[1]).abs() < 0.25 && (found[0] - truth[0]).abs() < 0.5,
@@ -377,7 +389,7 @@ mod tests {
         experiment.runs[0].table.columns[housing].fill(truth[1]);
         let bench = Bench::new(&experiment, &[]).unwrap();
         let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-        let mut model = bench.begin_at(&drive, &Override::default(), &truth).unwrap();
+        let mut model = bench.begin_at(&drive, &Override::default(), &truth).unwrap().model;
         let mut shown = vec![Vec::new(); 4];
         bench
             .along(&drive, model.as_mut(), |model, _| {
@@ -394,7 +406,7 @@ mod tests {
             experiment.runs[0].table.columns.splice(experiment.inputs.len().., own);
             let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
             assert_eq!(drive.warm.iter().map(|own| own.output).collect::<Vec<_>>(), [Some(2), None]);
-            let found = bench.first_readings(&drive, &Override::default()).unwrap();
+            let found = bench.started(&drive, &Override::default()).unwrap().indicated;
             let again = bench.run(&drive, &Override::default()).unwrap();
             let worst = |from: usize, output: usize| {
                 let pairs = again[output].iter().zip(&shown[output]).skip(from);

@@ -6,7 +6,7 @@
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role, Run, Start};
-use crate::initial::{self, Warm};
+use crate::initial::{self, Started, Warm};
 use crate::levels::CERTAIN;
 use crate::overrides::Override;
 use physics::model::{Declaration, Model, ModelType, Slot};
@@ -117,9 +117,7 @@ impl Bench {
         if drive.warm.is_empty() {
             return Ok(Vec::new());
         }
-        let indicated = self.first_readings(drive, change)?;
-        let mut model = self.set_up(drive, change)?;
-        Ok(self.named(&self.start(model.as_mut(), drive, &indicated)?))
+        Ok(self.named(&self.started(drive, change)?.initial))
     }
 
     /// All start values with a change and the run's own settings, by full name; the last of duplicates applies.
@@ -153,10 +151,10 @@ impl Bench {
     /// # Errors
     /// The message of the model if it cannot start.
     pub fn begin(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
-        self.begin_at(drive, change, &self.first_readings(drive, change)?)
+        Ok(self.started(drive, change)?.model)
     }
 
-    /// The same with these temperatures indicated by the sensors of [`Drive::warm`] at the start, K.
+    /// The same, with what it started at: temperatures that the sensors of [`Drive::warm`] indicate at these, K.
     ///
     /// # Errors
     /// The message of the model if it cannot start.
@@ -165,11 +163,11 @@ impl Bench {
         drive: &Drive,
         change: &Override,
         indicated: &[f64],
-    ) -> Result<Box<dyn Model>, CalibrateError> {
+    ) -> Result<Started, CalibrateError> {
         let mut model = self.set_up(drive, change)?;
-        self.start(model.as_mut(), drive, indicated)?;
+        let initial = self.start(model.as_mut(), drive, indicated)?;
         model.ease(self.ease);
-        Ok(model)
+        Ok(Started { model, indicated: indicated.to_vec(), initial })
     }
 
     /// Model with the change applied and the inputs of the first row.

@@ -15,6 +15,7 @@ mod influence;
 mod tests;
 
 use crate::CalibrateError;
+use crate::initial::Started;
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
 use adapted::Adapted;
@@ -118,9 +119,8 @@ impl Tangent {
         change: &Override,
         probes: &[Probe],
     ) -> Result<Tangent, CalibrateError> {
-        let indicated = bench.first_readings(drive, change)?;
-        let mut model = bench.begin_at(drive, change, &indicated)?;
-        let mut base = bench.begin_at(drive, change, &indicated)?;
+        let Started { mut model, indicated, .. } = bench.started(drive, change)?;
+        let mut base = bench.begin_at(drive, change, &indicated)?.model;
         let beside = |probe| Moved::new(bench, drive, change, probe, &indicated, model.as_ref());
         let mut moved: Vec<Option<Moved>> = probes.iter().map(beside).collect();
         let rows = drive.time.len();
@@ -421,8 +421,10 @@ impl Moved {
             Probe::Input(k) => way = AT_PORT.1 * drive.scale(*k),
         }
         let model = match probe {
-            Probe::Input(k) => bench.begin_at(&drive.with_input_moved(*k, way), &aside, indicated).ok()?,
-            _ => bench.begin_at(drive, &aside, indicated).ok()?,
+            Probe::Input(k) => {
+                bench.begin_at(&drive.with_input_moved(*k, way), &aside, indicated).ok()?.model
+            }
+            _ => bench.begin_at(drive, &aside, indicated).ok()?.model,
         };
         let (mut from, mut to) = (Vec::new(), Vec::new());
         beside.states(&mut from);

@@ -26,7 +26,9 @@ struct Zero {
     input: usize,
     runs: Vec<usize>,
     offset: f64,
-    /// Decrease of the cost less the price of the number and of the choice.
+    /// Price of the number and of the choice.
+    price: f64,
+    /// Decrease of the cost less the price.
     sure: f64,
 }
 
@@ -95,7 +97,7 @@ fn likely(point: &Linearization) -> Vec<Zero> {
         let gain = point.evidence.gain(&point.input_column(*input, runs)?)?;
         // The model wants another input by this; the reading is off by the opposite.
         let (offset, sure) = (-gain.size[0], gain.raw.min(gain.whitened) - price);
-        Some(Zero { input: *input, runs: runs.clone(), offset, sure })
+        Some(Zero { input: *input, runs: runs.clone(), offset, price, sure })
     };
     inputs.iter().flat_map(|input| places.iter().filter_map(move |runs| of(input, runs))).collect()
 }
@@ -109,10 +111,7 @@ fn size(setup: &Setup, zero: &Zero) -> f64 {
 
 /// The offset fitted with the declared parameters, with its evidence by that fit.
 fn fitted(point: &Linearization, mut zero: Zero) -> Result<Zero, CalibrateError> {
-    let of =
-        |point: &Linearization, runs: &[usize]| point.evidence.gain(&point.input_column(zero.input, runs)?);
     let fitted_runs = zero.runs.clone();
-    let price = of(point, &fitted_runs).map_or(0.0, |gain| gain.raw.min(gain.whitened)) - zero.sure;
     if fitted_runs == point.runs {
         // A zero of all fit runs is also that of the others.
         let others = [Role::Validate, Role::Test].iter().flat_map(|role| point.setup.runs(*role));
@@ -125,11 +124,13 @@ fn fitted(point: &Linearization, mut zero: Zero) -> Result<Zero, CalibrateError>
         let fitted = setup.fit(point.fitted.hypothesis.clone(), &point.runs)?;
         let own = Linearization::judged(&setup, fitted, &point.runs)?;
         let (white, raw) = own.explains(point);
-        if white.min(raw) - price <= zero.sure {
+        let sure = white.min(raw) - zero.price;
+        if sure <= zero.sure {
             break;
         }
-        (zero.offset, zero.sure) = (offset, white.min(raw) - price);
-        offset -= of(&own, &fitted_runs).map_or(0.0, |gain| gain.size[0]);
+        (zero.offset, zero.sure) = (offset, sure);
+        let gain = own.input_column(zero.input, &fitted_runs).and_then(|column| own.evidence.gain(&column));
+        offset -= gain.map_or(0.0, |gain| gain.size[0]);
     }
     Ok(zero)
 }

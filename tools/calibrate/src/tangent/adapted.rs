@@ -25,7 +25,7 @@ impl Adapted {
             let mut warmer = tangent.indicated.clone();
             warmer[k] += WARMER;
             let mut states = Vec::with_capacity(n);
-            bench.begin_at(drive, change, &warmer).ok()?.states(&mut states);
+            bench.begin_at(drive, change, &warmer).ok()?.model.states(&mut states);
             let start = states.iter().zip(&tangent.at).map(|(to, from)| (to - from) / WARMER).collect();
             let direction =
                 Direction { start, rates: vec![0.0; rows * n], outputs: vec![0.0; rows * tangent.outputs] };

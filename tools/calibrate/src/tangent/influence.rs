@@ -1,6 +1,7 @@
 //! Parameters without influence.
 
 use super::{Instant, Tangent};
+use crate::initial::Started;
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
 
@@ -9,7 +10,9 @@ impl Tangent {
     /// does, a simulation has the same outputs; this is known in a third of its time.
     pub fn is_moved_by(&self, bench: &Bench, drive: &Drive, change: &Override) -> bool {
         // A model that cannot start is judged by its simulation.
-        let Ok(mut model) = bench.begin_at(drive, change, &self.indicated) else { return true };
+        let Ok(Started { mut model, .. }) = bench.begin_at(drive, change, &self.indicated) else {
+            return true;
+        };
         let (n, m) = (self.states, self.outputs);
         let (mut start, mut here) = (Vec::with_capacity(n), Instant::default());
         model.states(&mut start);
