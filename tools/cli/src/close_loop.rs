@@ -228,7 +228,7 @@ fn unusable(
 
 /// The experiment's preset: a file beside the experiment, else a built-in one or a file from here.
 fn preset(experiment: &Experiment, file: &Path) -> Result<Preset, Failure> {
-    let beside = file.parent().unwrap_or(Path::new("")).join(&experiment.preset);
+    let beside = delimited::folder(file).join(&experiment.preset);
     let name =
         if beside.is_file() { beside.to_string_lossy().into_owned() } else { experiment.preset.clone() };
     let preset = Preset::load(&name).map_err(|e| Failure::new(format!("{}: {e}", file.display())))?;

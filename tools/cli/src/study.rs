@@ -10,8 +10,8 @@ use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
 use ::study::sweep::{
-    Case, ConstantInputs, Constraint, Goal, PRESET, Point, Sweep, Vary, Walking, check_figure, count, edges,
-    sweep,
+    Case, Choice, ConstantInputs, Constraint, Goal, PRESET, Point, Shown, Sweep, Target, Vary, Walking,
+    check_figure, count, edges, sweep,
 };
 use ::study::walk::Load;
 use serde_json::json;
@@ -286,19 +286,15 @@ fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
         text += &format!("constraint: {}\n", constraint.words());
     }
     if let Some(best) = &found.best {
-        let at = |k: usize| {
-            // A word has its unit.
-            let with_unit = |number| format!("{} {}", significant(number), plain(found.units[k]));
-            let value = best.values[k].number().map_or_else(|| best.values[k].text(), with_unit);
-            format!("{} = {value}", found.varied[k])
-        };
-        let places: Vec<String> = (0..found.varied.len()).map(at).collect();
-        let value = best.objective.map_or(String::new(), significant);
-        let places = places.iter().map(|p| p.trim_end()).collect::<Vec<_>>().join(", ");
-        text += &format!("best {} = {value} {} at {places}\n", found.objective, plain(found.objective_unit));
+        let values = found.varied.iter().zip(&found.shown).zip(&best.values);
+        let places = values.map(|((name, shown), value)| format!("{name} = {}", shown.with_unit(value)));
+        let (shown, places) = (found.objectives[0].shown(), places.collect::<Vec<_>>().join(", "));
+        let value = best.objective.map_or(String::new(), |value| significant(shown.of(value)));
+        text += &format!("best {} = {value}{} at {places}\n", found.objective, shown.unit(" "));
     }
     for edge in &found.best_at_edge {
-        let value = significant(edge.value);
+        let shown = found.varied.iter().zip(&found.shown).find(|(name, _)| **name == edge.name);
+        let value = shown.map_or(String::new(), |(_, shown)| shown.with_unit(&Choice::Number(edge.value)));
         text += &format!(
             "{} = {value} is the {} end of its range: the optimum may lie outside\n",
             edge.name, edge.end
@@ -319,7 +315,8 @@ fn infeasible(found: &Sweep, listed: usize) -> String {
     let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for point in &found.points {
         let Some(failure) = &point.failure else { continue };
-        let values = found.varied.iter().zip(&point.values).map(|(n, v)| format!("{n} = {}", v.shown()));
+        let values = found.varied.iter().zip(&found.shown).zip(&point.values);
+        let values = values.map(|((name, shown), value)| format!("{name} = {}", shown.with_unit(value)));
         let place = values.collect::<Vec<_>>().join(", ");
         match reasons.iter_mut().find(|(reason, _)| reason == failure) {
             Some((_, places)) => places.push(place),
@@ -347,19 +344,18 @@ fn pareto(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     if !found.objectives[0].least_is_best {
         points.reverse();
     }
-    let unit = |unit: &str| if unit == "1" { String::new() } else { format!(" in {unit}") };
-    let heads = found.varied.iter().zip(&found.units).map(|(name, u)| format!("{name}{}", unit(u)));
-    let mut rows: Vec<Vec<String>> =
-        vec![heads.chain(found.objectives.iter().map(|o| format!("{}{}", o.name, unit(o.unit)))).collect()];
+    let shown: Vec<Shown> = found.objectives.iter().map(Target::shown).collect();
+    let names = found.varied.iter().chain(found.objectives.iter().map(|o| &o.name));
+    let heads =
+        names.zip(found.shown.iter().chain(&shown)).map(|(name, u)| format!("{name}{}", u.unit(" in ")));
+    let mut rows: Vec<Vec<String>> = vec![heads.collect()];
     for point in &points {
         let ends = edges(case, vary, &point.values);
         let at_end = |k: usize| ends.iter().any(|e| e.name == found.varied[k]);
-        let values = point
-            .values
-            .iter()
-            .enumerate()
-            .map(|(k, v)| format!("{}{}", v.shown(), if at_end(k) { "*" } else { "" }));
-        rows.push(values.chain(point.objectives.iter().map(|o| significant(*o))).collect());
+        let values = found.shown.iter().zip(&point.values).enumerate();
+        let values = values.map(|(k, (u, v))| format!("{}{}", u.choice(v), if at_end(k) { "*" } else { "" }));
+        let objectives = shown.iter().zip(&point.objectives).map(|(u, value)| significant(u.of(*value)));
+        rows.push(values.chain(objectives).collect());
     }
     let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
@@ -371,9 +367,4 @@ fn pareto(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
         text += &format!("  {}\n", cells.join("  ").trim_end());
     }
     text
-}
-
-/// A unit; none for a pure number.
-fn plain(unit: &str) -> &str {
-    if unit == "1" { "" } else { unit }
 }

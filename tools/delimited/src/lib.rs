@@ -148,6 +148,13 @@ pub fn read_text(path: &Path) -> io::Result<String> {
     }
 }
 
+/// The folder to which file names in the text of a file are relative: its own, or the present one where the text comes from a pipe
+/// (`/dev/stdin`, a process substitution of the shell).
+pub fn folder(path: &Path) -> &Path {
+    let is_pipe = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    path.parent().filter(|_| !is_pipe).unwrap_or(Path::new(""))
+}
+
 /// The text of the bytes of a file.
 fn decoded(bytes: &[u8]) -> Cow<'_, str> {
     match Encoding::for_bom(bytes) {
@@ -173,6 +180,20 @@ mod tests {
     use super::*;
 
     const TEXT: &str = "# Prüfstand\n\nt [s];U [V];\r\n0;1,5;\n\n# Pause\n\"1\"; -2.5 ;;\n";
+
+    /// What comes from a pipe has no folder of its own; a name alone is in the present one.
+    #[test]
+    fn names_are_relative_to_the_file_or_to_where_its_text_is_piped() {
+        let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+        assert_eq!(folder(&own.join("Cargo.toml")), own);
+        assert_eq!(
+            [folder(Path::new("Cargo.toml")), folder(Path::new("a/missing"))],
+            [Path::new(""), Path::new("a")]
+        );
+        if cfg!(unix) {
+            assert_eq!(folder(Path::new("/dev/null")), Path::new(""));
+        }
+    }
 
     /// As the two files of Excel on a German machine, a logger and PowerShell have it.
     #[test]

@@ -4,6 +4,7 @@
 mod case;
 mod edges;
 mod figure;
+mod shown;
 mod vary;
 
 use crate::StudyError;
@@ -14,6 +15,7 @@ pub use edges::{Edge, edges};
 pub use figure::check_figure;
 use rayon::prelude::*;
 use serde::Serialize;
+pub use shown::Shown;
 use std::sync::atomic::{AtomicUsize, Ordering};
 pub use vary::{Choice, PRESET, Vary};
 
@@ -122,6 +124,9 @@ pub struct Sweep {
     pub varied: Vec<String>,
     /// Their units.
     pub units: Vec<&'static str>,
+    /// The units in which their values are shown.
+    #[serde(skip)]
+    pub shown: Vec<Shown>,
     /// Name of the first objective.
     pub objective: String,
     /// Its unit.
@@ -202,9 +207,12 @@ pub fn sweep(
         let why = points.first().and_then(|p| p.failure.clone()).unwrap_or_default();
         return Err(StudyError::new(format!("no point of the sweep has a result: {why}")));
     }
+    let units = vary.iter().map(|v| case.unit(&v.name)).collect::<Result<Vec<_>, _>>()?;
+    let shown = |(v, unit): (&Vary, &&str)| v.shown.clone().unwrap_or_else(|| Shown::si(unit));
     Ok(Sweep {
         varied: vary.iter().map(|v| v.name.clone()).collect(),
-        units: vary.iter().map(|v| case.unit(&v.name)).collect::<Result<_, _>>()?,
+        shown: vary.iter().zip(&units).map(shown).collect(),
+        units,
         objective: first.name,
         objective_unit: first.unit,
         objectives,
@@ -228,11 +236,12 @@ fn feasible(
         constraints.iter().zip(&found[objectives..]).zip(&targets[objectives..])
     {
         if !constraint.holds(*value) {
-            let unit = if target.unit == "1" { String::new() } else { format!(" {}", target.unit) };
+            let shown = target.shown();
             return Err(StudyError::new(format!(
-                "{} = {}{unit} does not keep {}",
+                "{} = {}{} does not keep {}",
                 constraint.name,
-                present::number(*value),
+                present::number(shown.of(*value)),
+                shown.unit(" "),
                 constraint.words()
             )));
         }

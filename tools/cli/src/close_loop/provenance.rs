@@ -9,7 +9,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Program and date, with the hash of an experiment's file and of the files of its runs, each once, in their order.
 pub fn of(file: &Path, experiment: &Experiment) -> Result<Provenance, Failure> {
-    let folder = file.parent().unwrap_or(Path::new(""));
+    let folder = delimited::folder(file);
     let mut paths = vec![file.to_path_buf()];
     for path in experiment.runs.iter().map(|run| folder.join(&run.file)) {
         if !paths.contains(&path) {

@@ -158,7 +158,7 @@ impl Lines<'_> {
 /// Reads a system from TOML; FMUs are named relative to the file.
 pub(crate) fn read(path: &Path) -> Result<Structure, Error> {
     let text = delimited::read_text(path).map_err(Error::io("read", path))?;
-    parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))
+    parse(&text, &path.display().to_string(), delimited::folder(path))
 }
 
 fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {

@@ -22,6 +22,9 @@ pub struct Target {
     pub unit: &'static str,
     /// Whether the least value is the best, as of a temperature.
     pub least_is_best: bool,
+    /// Whether it is a difference of two temperatures.
+    #[serde(skip)]
+    pub is_difference: bool,
 }
 
 /// A model whose variables can be varied and whose quantities can be computed.
@@ -148,8 +151,9 @@ impl Case for ConstantInputs {
         };
         let unit = entry.row.unit.name();
         let losses = ["power_electrical", "loss_copper", "loss_iron", "loss_friction", "loss_drive"];
-        let least_is_best = (unit == "K" && !entry.row.relative) || losses.contains(&name);
-        Ok(Target { name: name.to_owned(), unit, least_is_best })
+        let is_difference = entry.row.relative;
+        let least_is_best = (unit == "K" && !is_difference) || losses.contains(&name);
+        Ok(Target { name: name.to_owned(), unit, least_is_best, is_difference })
     }
 
     fn unit(&self, name: &str) -> Result<&'static str, StudyError> {
@@ -226,7 +230,7 @@ impl Walking {
 impl Case for Walking {
     fn target(&self, name: &str) -> Result<Target, StudyError> {
         let Objective { name, unit, least_is_best, .. } = Objective::named(name)?;
-        Ok(Target { name: name.to_owned(), unit, least_is_best })
+        Ok(Target { name: name.to_owned(), unit, least_is_best, is_difference: false })
     }
 
     fn unit(&self, name: &str) -> Result<&'static str, StudyError> {

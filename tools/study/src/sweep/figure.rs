@@ -1,6 +1,6 @@
 //! A sweep as CSV and as a figure.
 
-use super::{Choice, Sweep, Vary};
+use super::{Choice, Shown, Sweep, Vary};
 use crate::StudyError;
 use present::figure::{Axis, Figure};
 
@@ -27,12 +27,13 @@ impl Sweep {
     /// # Errors
     /// As [`check_figure`].
     pub fn figure(&self) -> Result<Figure, StudyError> {
-        let axis = |name: &str, of: &str| Axis::new(&format!("{}{}", words(name), unit(" in ", of)));
+        let axis = |name: &str, of: &Shown| Axis::new(&format!("{}{}", words(name), in_figure(of, " in ")));
         let source = self.source.as_ref().map_or(String::new(), |source| format!(". {source}"));
+        let objective = self.objectives[0].shown();
         let mut figure = Figure::new(
             &format!("{} over {}{source}", words(&self.objective), words(&self.varied.join(" and "))),
-            axis(&self.varied[0], self.units[0]),
-            axis(&self.objective, self.objective_unit),
+            axis(&self.varied[0], &self.shown[0]),
+            axis(&self.objective, &objective),
         );
         type Points = Vec<(f64, f64)>;
         let mut lines: Vec<(&[Choice], Points)> = Vec::new();
@@ -40,14 +41,14 @@ impl Sweep {
         let mut words_of_x: Vec<String> = Vec::new();
         for point in &self.points {
             let key = &point.values[1..];
-            let x = point.values[0].number().unwrap_or_else(|| {
-                let word = point.values[0].shown();
+            let x = point.values[0].number().map(|x| self.shown[0].of(x)).unwrap_or_else(|| {
+                let word = point.values[0].text();
                 words_of_x.iter().position(|known| *known == word).unwrap_or_else(|| {
                     words_of_x.push(word);
                     words_of_x.len() - 1
                 }) as f64
             });
-            let place = (x, point.objective.unwrap_or(f64::NAN));
+            let place = (x, point.objective.map_or(f64::NAN, |value| objective.of(value)));
             match lines.iter_mut().find(|(k, _)| *k == key) {
                 Some((_, line)) => line.push(place),
                 None => lines.push((key, vec![place])),
@@ -55,11 +56,11 @@ impl Sweep {
         }
         check_lines(lines.len())?;
         for (key, line) in lines {
-            let others = self.varied[1..].iter().zip(&self.units[1..]).zip(key);
-            // A word has its unit.
-            let unit = |of: &str, k: &Choice| k.number().map_or(String::new(), |_| unit(" ", of));
-            let parts =
-                others.map(|((name, of), k)| format!("{} = {}{}", words(name), k.shown(), unit(of, k)));
+            let others = self.varied[1..].iter().zip(&self.shown[1..]).zip(key);
+            let parts = others.map(|((name, of), k)| {
+                let unit = k.number().map_or(String::new(), |_| in_figure(of, " "));
+                format!("{} = {}{unit}", words(name), of.choice(k))
+            });
             let label = parts.collect::<Vec<_>>().join(", ");
             figure = match words_of_x.is_empty() {
                 true => figure.line(&label, line),
@@ -99,7 +100,7 @@ fn words(name: &str) -> String {
     name.replace(['_', '.'], " ")
 }
 
-/// A unit after a separator; a pure number has none.
-fn unit(separator: &str, unit: &str) -> String {
-    if unit == "1" { String::new() } else { format!("{separator}{}", unit.replace('.', "·")) }
+/// A unit behind a separator, as figures write it.
+fn in_figure(of: &Shown, separator: &str) -> String {
+    of.unit(separator).replace('.', "·").replace("degC", "°C")
 }

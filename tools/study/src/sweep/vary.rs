@@ -1,6 +1,6 @@
 //! What a sweep varies: numbers, items of enumerations, presets.
 
-use super::MAX_POINTS;
+use super::{MAX_POINTS, Shown};
 use crate::StudyError;
 use crate::numeric::linspace;
 use serde::Serialize;
@@ -35,14 +35,6 @@ impl Choice {
             Choice::Word(_) => None,
         }
     }
-
-    /// For tables and labels.
-    pub fn shown(&self) -> String {
-        match self {
-            Choice::Number(number) => present::number(*number),
-            Choice::Word(word) => word.clone(),
-        }
-    }
 }
 
 /// A variable and the values that it takes.
@@ -52,6 +44,8 @@ pub struct Vary {
     pub name: String,
     /// Its values; [`Vary::resolved`] gives those with a unit in SI units.
     pub values: Vec<Choice>,
+    /// The unit in which the values are shown: that of all of them, if they were given in one; else the SI unit.
+    pub shown: Option<Shown>,
 }
 
 /// The forms of the option.
@@ -74,7 +68,7 @@ impl Vary {
             if name == PRESET {
                 return Err(wrong("names of motors have no range"));
             }
-            return Ok(Vary { name, values: range(values).map_err(|why| wrong(&why))? });
+            return Ok(Vary { name, values: range(values).map_err(|why| wrong(&why))?, shown: None });
         }
         let items: Vec<&str> = values.split(',').map(str::trim).collect();
         if items.iter().any(|item| item.is_empty()) {
@@ -85,7 +79,7 @@ impl Vary {
             Ok(number) => Err(wrong(&format!("{number} is not a finite number"))),
             Err(_) => Ok(Choice::Word((*item).to_owned())),
         };
-        Ok(Vary { name, values: items.iter().map(choice).collect::<Result<_, _>>()? })
+        Ok(Vary { name, values: items.iter().map(choice).collect::<Result<_, _>>()?, shown: None })
     }
 
     /// Values with a unit as numbers in SI units, so that they are drawn on an axis and have ends; items and motors as they are.
@@ -97,16 +91,28 @@ impl Vary {
         &self,
         conversion: impl Fn(&str, &str) -> Result<Conversion, StudyError>,
     ) -> Result<Vary, StudyError> {
-        let in_si = |value: &Choice| match value {
-            Choice::Word(word) if self.name != PRESET => match units::split(word) {
-                Some((number, unit)) => Ok(Choice::Number(conversion(&self.name, unit)?.of(number))),
-                None => Ok(value.clone()),
-            },
-            _ => Ok(value.clone()),
+        let given = |value: &Choice| match value {
+            Choice::Word(word) if self.name != PRESET => {
+                units::split(word).map(|(x, unit)| (x, unit.to_owned()))
+            }
+            _ => None,
         };
-        let values = self.values.iter().map(in_si).collect::<Result<_, StudyError>>();
-        let values = values.map_err(|why| StudyError::new(format!("--vary {}: {why}", self.name)))?;
-        Ok(Vary { name: self.name.clone(), values })
+        let all: Vec<Option<(f64, String)>> = self.values.iter().map(given).collect();
+        let in_si = |(value, given): (&Choice, &Option<(f64, String)>)| match given {
+            Some((number, unit)) => Ok(Choice::Number(conversion(&self.name, unit)?.of(*number))),
+            None => Ok(value.clone()),
+        };
+        let in_unit = || {
+            let (_, unit) = all.first()?.as_ref()?;
+            all.iter().all(|given| given.as_ref().is_some_and(|(_, own)| own == unit)).then_some(unit)
+        };
+        let resolve = || -> Result<Vary, StudyError> {
+            let given =
+                |unit: &String| Ok::<_, StudyError>(Shown::given(unit, conversion(&self.name, unit)?));
+            let values = self.values.iter().zip(&all).map(in_si).collect::<Result<_, StudyError>>()?;
+            Ok(Vary { name: self.name.clone(), values, shown: in_unit().map(given).transpose()? })
+        };
+        resolve().map_err(|why| StudyError::new(format!("--vary {}: {why}", self.name)))
     }
 
     /// The ends of a range of numbers; all values of a list with words.

@@ -86,7 +86,7 @@ impl Load {
                 tables.push((table, (kind.declaration)()));
             }
         }
-        let folder = Path::new(file).parent().unwrap_or(Path::new("")).to_owned();
+        let folder = delimited::folder(Path::new(file)).to_owned();
         let (mut cycle, mut mix) = (None, None);
         let values =
             StartValues::of_tables(text, file, &tables, &["cycle", "mix"], |name, value, source| {
