@@ -12,7 +12,8 @@
 /// step; the others are constant over a step, except at ports that get all drivers.
 macro_rules! ports {
     ($then:ident $($with:tt)*) => { $then! { ($($with)*)
-        /// A torque against the motion at speed `w`, rad/s: N.m, with the sign of `w`. Its power heats the housing.
+        /// A torque against the motion at speed `w`, rad/s: N.m, with the sign of `w`. Its power is friction heat: in
+        /// the housing, where a model has a rotor node partly in the rotor.
         [DragTorque] sum drag_torque [D: Number] (w: D) -> D, derivative [drag_torque_slope];
         /// The part of [`drag_torque`](Effect::drag_torque) that arises in the iron, N.m.
         [] sum iron_drag [] (w: f64) -> f64, derivative [];
@@ -24,7 +25,7 @@ macro_rules! ports {
         /// A torque against the motion at speed `w`, rad/s, with the magnets at `t`, K: N.m, as [`drag_torque`](Effect::drag_torque).
         [WarmDrag] sum warm_drag [D: Number] (w: D, t: f64) -> D, derivative [warm_drag_slope];
         /// A torque against the motion per newton metre of shaft torque on the load: with the sign of `w`
-        /// times that of the load's torque, approximately `tau`, N.m. Its power heats the housing.
+        /// times that of the load's torque, approximately `tau`, N.m. Its power is friction heat, too.
         [LoadDrag] sum load_drag [D: Number] (w: D, tau: f64) -> D, derivative [load_drag_slope];
         /// Voltage drop between terminals and winding at current `i`, A: V, with the sign of `i`. Its power heats
         /// the winding.

@@ -4,7 +4,7 @@
 //!
 //! *Assumes* a friction torque that does not depend on speed, load or temperature.
 //! *Neglects* static friction above tau_c: below w_small the shaft creeps instead of sticking.
-//! *Sign*: against the motion; its power tau w >= 0 heats the housing.
+//! *Sign*: against the motion; its power tau w >= 0 is friction heat.
 //! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083.
 
 use super::prelude::*;

@@ -6,7 +6,7 @@
 //! The square root has an infinite derivative at rest; the derivative of eq. (1) there is k / w_small^(1/2). Eq. (1) is below the square
 //! root by 16 % at w_small, by 0.25 % at 10 w_small, by 25 parts in a million at 100 w_small.
 //! *Assumes* a flux that does not depend on the load. *Neglects* temperature.
-//! *Sign*: against the motion; its power tau w >= 0 heats the housing (the stator is at the housing's temperature).
+//! *Sign*: against the motion; its power tau w >= 0 heats the stator, without a stator node the housing.
 //! *Source*: Steinmetz, Trans. AIEE 9 (1892) 3, exponent of the frequency set to 3/2.
 
 use super::prelude::*;

@@ -6,7 +6,7 @@
 //! (the port's form), a model that knows only the torque u before this friction solves
 //! tau_s = u - load_drag tau_s, so tau_s = u / (1 + load_drag); the sign of u is that of tau_s, as mu < 1.
 //! *Assumes* a coefficient that does not depend on speed or temperature. *Neglects* static friction: the shaft creeps.
-//! *Sign*: against the motion, for both directions of the load torque; its power mu |tau_s w| >= 0 heats the housing.
+//! *Sign*: against the motion, for both directions of the load torque; its power mu |tau_s w| >= 0 is friction heat.
 //! *Source*: Modelica Standard Library, Rotational.Components.LossyGear: efficiency 1/(1 + mu) when the motor
 //! drives, 1 - mu when the load does.
 

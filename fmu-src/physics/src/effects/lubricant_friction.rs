@@ -6,7 +6,7 @@
 //! speed)^(2/3); stiff grease has n near 0, a full laminar film 1. Mineral oil of 100 mm2/s at 40 degC has 11 mm2/s at 100 degC, so that
 //! beta = 2/3 ln(100/11)/60 K = 0.025/K. Friction with less than 0.005/K is no friction of a lubricant, but of another law over speed.
 //! *Assumes* bearings at the temperature of the magnets, or of the housing without a rotor node. *Neglects* starvation and the run-in of grease.
-//! *Sign*: against the motion; its power heats the housing. *Range*: any speed; below w_small smooth through zero.
+//! *Sign*: against the motion; its power is friction heat. *Range*: any speed; below w_small smooth through zero.
 //! *Source*: Palmgren, Ball and Roller Bearing Engineering (3rd ed., 1959); Harris, Rolling Bearing Analysis (4th ed., 2001), eq.
 //! 14.20 (exponent); ISO 3448 and ISO 2909 (viscosity grade and index).
 

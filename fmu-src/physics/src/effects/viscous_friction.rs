@@ -4,7 +4,7 @@
 //!
 //! Eddy-current loss has the same law; a measurement of drag against speed cannot distinguish the two.
 //! *Assumes* laminar lubricant films of constant viscosity. *Neglects* the decrease of viscosity with temperature.
-//! *Sign*: against the motion; its power k w^2 >= 0 heats the housing.
+//! *Sign*: against the motion; its power k w^2 >= 0 is friction heat.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.Friction, with power_w = 1 (exponent of the torque).
 
 use super::prelude::*;

@@ -4,7 +4,7 @@
 //!
 //! *Assumes* turbulent flow of constant density. *Neglects* the laminar range at low speed, where the torque is
 //! small, and the air's temperature.
-//! *Sign*: against the motion; its power k |w|^3 >= 0 heats the housing.
+//! *Sign*: against the motion; its power k |w|^3 >= 0 is friction heat.
 //! *Source*: Vrancik, NASA TN D-4849 (1968); the skin-friction coefficient is assumed constant.
 
 use super::prelude::*;

@@ -115,7 +115,7 @@ variables! {
         loss_copper: f64 = Variable::output(35, Unit::Watt).nominal(10.0),
         /// Iron loss; part of loss_friction
         loss_iron: f64 = Variable::output(36, Unit::Watt).nominal(10.0),
-        /// Friction, iron and windage losses, which heat the housing
+        /// Friction, iron and windage losses: heat in housing, stator and rotor
         loss_friction: f64 = Variable::output(37, Unit::Watt).nominal(10.0),
         /// Losses of the drive, which go to ambient (drive_mode power or pwm)
         loss_drive: f64 = Variable::output(38, Unit::Watt).nominal(10.0),
