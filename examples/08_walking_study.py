@@ -239,7 +239,8 @@ def declared_design(answer: dict) -> str:
     ]
     return f"""With the transmission ratio ({ACTUATOR[RATIO]:.0f} : 1) and spring stiffness ({ACTUATOR[SPRING]['value']:.0f} N.m/rad) of `walk.toml`
     and the whole biological torque of the ankle of a person of 75 kg, the winding reaches its temperature limit: {times}. The continuous
-    support is the fraction of the biological torque that the actuator can deliver continuously: {supports}. Effect of cooling: {listed(gains)}."""
+    support is the fraction of the biological torque that the actuator can deliver continuously: {supports}. The continuous torque is the
+    peak torque of the joint at the continuous support. Effect of cooling: {listed(gains)}."""
 
 
 def grid_words() -> str:

@@ -97,6 +97,7 @@ def page(answer: dict) -> str:
     """The results and the treatment of the disagreement; each conclusion is computed from the numbers."""
     single, phases = ("12", "13"), ("10B", "10C", "10D")
     apart, together = windings(answer, single), windings(answer, phases)
+    factors = " and ".join(f"{windings(answer, (run,))['ratio']:.1f} (run {run})" for run in single)
     not_worse, channels = count(answer, "after", "refit")
     better = count(answer, "after", "before")[0]
     box = count(answer, "after", "blackbox")[0]
@@ -129,7 +130,7 @@ def page(answer: dict) -> str:
         fill(f"""The two thermocouples at the windings indicate {together["least"]:.0f} to {together["greatest"]:.0f} K in runs 10B,
         10C and 10D, but {apart["least"]:.0f} to {apart["greatest"]:.0f} K in runs 12 and 13, where both are at one winding.
         The ratio
-        of the two in a run, {apart["ratio"]:.1f}, is {within} than the ratio between runs with the same mounting: the cause
+        of the two in a run, at most {apart["ratio"]:.1f}, is {within} than the ratio between runs with the same mounting: the cause
         is {cause}. No set of motor parameters can follow all five runs."""),
         "## Errors of each run, predicted from others",
         fill(f"""Root mean square error of the test run in K. Before: preset. Refit: declared parameters fitted to three other runs.
@@ -141,7 +142,7 @@ def page(answer: dict) -> str:
         "## Treatment of the disagreement",
         fill(f"""In {len(disagree)} of {len(answer["splits"])} splits a fit with sensor noise alone predicts left-out fit runs worse than the
         preset. The disagreement is then added to the noise ([method](close-the-loop.md#method)); parameters that the runs do not
-        determine stay near their priors. Two thermocouples at one winding that differ by a factor of {apart["ratio"]:.1f} limit every prediction for runs 12 and 13: a model with one winding
+        determine stay near their priors. Two thermocouples at one winding that differ by a factor of {factors} limit every prediction for these runs: a model with one winding
         temperature cannot follow both, and a black box that follows them has no reason to do so in the next run. The
         resistance of each phase during the run would measure the mean temperature of its copper and would show which thermocouple is the outlier."""),
     ]

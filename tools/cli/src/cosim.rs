@@ -67,12 +67,12 @@ pub struct Args {
     pub patience: f64,
 }
 
-/// Write a system that is described in a small TOML file as an SSP 1.0 archive, with its FMUs.
+/// Write a system, described in a small TOML file or an SSP file, as an SSP 1.0 archive with its FMUs.
 #[derive(Debug, clap::Args)]
 pub struct SspArgs {
-    /// The description
+    /// The description: SYSTEM.toml or SYSTEM.ssp
     system: PathBuf,
-    /// The archive [default: the description's name with .ssp]
+    /// The archive [default: the name of SYSTEM.toml with .ssp; required for SYSTEM.ssp]
     #[arg(long, value_name = "FILE.ssp")]
     out: Option<PathBuf>,
     /// Leave out the inputs and outputs of the system itself: for ecos, which reads connections between components only

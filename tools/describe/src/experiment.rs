@@ -3,8 +3,8 @@
 //! Only the command of the drive gets a start value: what loads or cools the machine stays 0 until the importer sets it, as every
 //! unconnected input. A motor at a voltage runs up, a motor at an imposed speed or at a given heat warms up, an imposed current accelerates a
 //! free shaft. The current `I` follows from the archive's own thermal network: after three hours under the load `k_t I` the winding has
-//! used half of its margin to `thermal.T_w_max`. The resistive drop `R I` is a tenth of the voltage. All values are rounded to two digits. An
-//! actuator gets a torque demand of a tenth of the torque at its current limit. `GaitLoad` needs no input.
+//! used half of its margin to `thermal.T_w_max`. The resistive drop `R I` is a tenth of the voltage. All values are rounded to two digits, a
+//! speed to four. An actuator gets a torque demand of a tenth of the torque at its current limit. `GaitLoad` needs no input.
 //!
 //! A preset that gives a start value of any of these inputs chooses the operating point itself: then nothing is added.
 

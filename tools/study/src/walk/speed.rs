@@ -17,7 +17,6 @@ impl Load {
         let mut notes = Vec::new();
         for part in self.parts() {
             let place = part.words().place;
-            let follower = if place == "cycle" { "motor" } else { "actuator" };
             let (joint, ratio, supply) = match part.table().filter(|_| place == "cycle") {
                 Some((table, _, drive)) => {
                     let peak = table.speeds.iter().fold(0.0, |peak: f64, speed| peak.max(speed.abs()));
@@ -32,7 +31,7 @@ impl Load {
                     [joint, ratio, needed, no_load, voltage].map(significant);
                 notes.push(format!(
                     "{}: the peak speed of the {place}, {joint} rad/s, times the ratio {ratio} is {needed} rad/s; without load the motor \
-                     reaches {no_load} rad/s at {supply} = {voltage} V, so that the {follower} cannot follow the {place}",
+                     reaches {no_load} rad/s at {supply} = {voltage} V, so that the torque error increases near the peak speed",
                     part.source()?
                 ));
             }
