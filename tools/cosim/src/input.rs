@@ -90,6 +90,9 @@ impl InputTable {
             Self { path: path.to_owned(), times: Vec::new(), columns: Vec::new(), notes: Vec::new() };
         let (time, cells) =
             table.header(text.header(), find).map_err(|message| fault(text.header_line(), message))?;
+        if let Some(f) = (0..text.header().len()).find_map(|k| text.grouped(k)) {
+            return Err(fault(f.line, f.message));
+        }
         for row in text.rows() {
             let row = row.map_err(|f| fault(f.line, f.message))?;
             let cell = |k: usize| text.pointed(row.cells.get(k).unwrap_or_default());

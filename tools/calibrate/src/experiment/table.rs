@@ -70,6 +70,9 @@ impl Table {
             }
         });
         let places = places.collect::<Result<Vec<_>, _>>()?;
+        if let Some(fault) = places.iter().flatten().find_map(|(k, _)| text.grouped(*k)) {
+            return Err(at(fault.line, fault.message));
+        }
         let mut table = Table {
             time: Vec::new(),
             columns: vec![Vec::new(); wanted.len()],

@@ -367,6 +367,9 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, (usize, String)> {
         let why = "body_mass has no effect: the torque is not one per body mass, as in N.m/kg";
         return Err((at, why.to_owned()));
     }
+    if let Some(f) = read.iter().find_map(|(_, place, ..)| text.grouped(*place)) {
+        return Err(here(format!("{name}:{}: {}", f.line, f.message)));
+    }
     let mut values: [Vec<f64>; 4] = Default::default();
     for row in text.rows() {
         let Row { line, cells } = row.map_err(|f| here(format!("{name}:{}: {}", f.line, f.message)))?;
