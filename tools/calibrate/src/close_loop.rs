@@ -222,7 +222,7 @@ fn attempt<'a>(
             search_of.notes.push(format!("whether one law stands behind two effects could not be seen: {e}"));
         }
     }
-    if let Some(unusable) = in_time(&deadline, search_of.zero_of_an_input())?.flatten() {
+    if let Some(unusable) = in_time(&deadline, search_of.error_of_an_input())?.flatten() {
         return Err(Refusal::Unusable(unusable));
     }
     let is_cut = deadline.is_near();

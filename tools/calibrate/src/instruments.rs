@@ -32,6 +32,12 @@ pub fn accounts_for(setup: &Setup, runs: &[usize], [with, without]: [&[Shown]; 2
     greatest(setup, runs, pairs.map(|((with, count), (without, _))| (without - with) / count as f64))
 }
 
+/// Whether the error of an output with one prediction is beyond that with another by more than instruments err, root mean square.
+pub fn is_beyond(setup: &Setup, runs: &[usize], output: usize, [with, without]: [&[Shown]; 2]) -> bool {
+    let [(with, count), (without, _)] = [with, without].map(|shown| setup.squares(runs, shown)[output]);
+    with - without > error(setup.experiment, runs, output).powi(2) * count as f64
+}
+
 /// Whether what a fit without effects leaves of the fit runs and of the validation runs, beyond the noise, is within the error of instruments.
 ///
 /// # Errors

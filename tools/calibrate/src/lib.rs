@@ -21,7 +21,7 @@
 //! | [`linearization`] | fitted model with its linearization and evidence: the base point of a search |
 //! | [`search`] | scores effects, laws over drivers, latent inputs, and laws with memory |
 //! | [`selection`] | stepwise selection: the best candidates are fitted, compared, and pass acceptance tests |
-//! | `zero_of_input` | the zero offset of an input's sensor, as an explanation of what was found |
+//! | `input_error` | zero and gain of an input's instrument, as an explanation of what was found |
 //! | [`close_loop`] | the complete procedure and the verdict |
 //! | `blackbox`, `comparison` | black-box models of the same inputs, and where they predict better than the repaired model |
 //! | `beyond` | unfitted runs that leave the range of a law |
@@ -44,6 +44,7 @@ pub mod experiment;
 pub mod fit;
 pub mod hypothesis;
 pub mod initial;
+mod input_error;
 mod input_noise;
 mod instruments;
 pub mod intake;
@@ -64,7 +65,6 @@ pub mod tangent;
 #[cfg(test)]
 mod testing;
 mod undeclared;
-mod zero_of_input;
 
 /// Reason why an experiment is rejected: one sentence with file and, if applicable, line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -96,14 +96,22 @@ impl<'a> Linearization<'a> {
         Linearization::of(setup, fitted, runs, &[], std::slice::from_ref(port))
     }
 
-    /// Columns of a constant added to an input in these runs: to first order, the response to its sensor's zero.
-    pub fn input_column(&self, input: usize, runs: &[usize]) -> Option<DMatrix<f64>> {
+    /// Columns of the correction of an input in these runs by one number, of which the input has this derivative at each reading: to first
+    /// order, the response to an error of its instrument.
+    pub fn input_column(
+        &self,
+        input: usize,
+        runs: &[usize],
+        slope: impl Fn(f64) -> f64,
+    ) -> Option<DMatrix<f64>> {
         let place = self.ports.len() + input;
         self.columns(1, |r, _| {
             if !runs.contains(&self.runs[r]) {
                 return Some(None);
             }
-            Some(Some(self.slopes.tangents[r].response(self.further(r)[place].as_ref()?, |_| 1.0)))
+            let readings = &self.setup.driven[self.runs[r]].inputs()[input];
+            let direction = self.further(r)[place].as_ref()?;
+            Some(Some(self.slopes.tangents[r].response(direction, |row| slope(readings[row]))))
         })
     }
 

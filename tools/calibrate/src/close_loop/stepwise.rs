@@ -3,6 +3,7 @@
 use super::Search;
 use crate::CalibrateError;
 use crate::hypothesis::Addition;
+use crate::input_error;
 use crate::levels::{LEAD, NEARLY};
 use crate::linearization::Linearization;
 use crate::outcome::{Follows, Unusable};
@@ -10,7 +11,6 @@ use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, sea
 use crate::selection::{
     ALIKE, Candidate, LEAST, NEAR, Round, asked, beside, companion, compete, predicts_where_it_acts,
 };
-use crate::zero_of_input;
 use physics::terms::MOST_TERMS;
 
 /// Largest number of passes over all additions. Numerical: a pass without a change is the last.
@@ -61,11 +61,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The reading of an input that is off by a constant and explains more than all additions do, and than any candidate by itself.
-    pub(super) fn zero_of_an_input(&self) -> Result<Option<Unusable>, CalibrateError> {
+    /// The instrument of an input whose zero or gain explains more than all additions do, and than any candidate by itself.
+    pub(super) fn error_of_an_input(&self) -> Result<Option<Unusable>, CalibrateError> {
         let found: f64 = self.rounds.iter().filter_map(Round::winner).map(Candidate::sure).sum();
         let alone = self.scored[0].iter().filter(|s| s.addition.is_some()).map(Scored::sure);
-        zero_of_input::explains(&self.first, alone.fold(found, f64::max))
+        input_error::explains(&self.first, alone.fold(found, f64::max))
     }
 
     /// Appends a round; returns whether it has an accepted candidate.

@@ -204,17 +204,23 @@ impl Validated {
         let [with, without] = shown.map(|shown| setup.chi_squares(runs, shown));
         let fall = |k: usize| (without[k] - with[k]) / candidate.point.evidence.inflation(k);
         let falls: Vec<f64> = (0..with.len()).map(fall).collect();
-        let worse = worst(&with, &without, &falls);
+        let worse = worst(&with, &without, &falls, |k| instruments::is_beyond(setup, runs, k, shown));
         let seen = accounts_for(setup, runs, shown);
         let [with, without, fall] = [with, without, falls].map(|parts| parts.iter().sum());
         Validated { with, without, fall, density: None, seen, worse }
     }
 }
 
-/// The output whose error grows most from sums of squares `without` to `with`, and the ratio, if structure error can hardly cause it.
-fn worst(with: &[f64], without: &[f64], falls: &[f64]) -> Option<(usize, f64)> {
+/// The output whose error grows most from sums of squares `without` to `with`, and the ratio, if neither structure error nor, by
+/// `is_beyond`, the error of good instruments can cause it.
+fn worst(
+    with: &[f64],
+    without: &[f64],
+    falls: &[f64],
+    is_beyond: impl Fn(usize) -> bool,
+) -> Option<(usize, f64)> {
     let ratios = with.iter().zip(without).map(|(a, b)| (a / b).sqrt()).enumerate();
-    let worse = ratios.filter(|(k, ratio)| *ratio > 1.0 + PART && -falls[*k] > NEAR);
+    let worse = ratios.filter(|(k, ratio)| *ratio > 1.0 + PART && -falls[*k] > NEAR && is_beyond(*k));
     worse.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -291,20 +297,24 @@ mod tests {
         assert!(!is_size_at("conductance.G_still", Port::HousingAmbientConductance));
     }
 
-    /// An output counts as worse by its ratio and by the number of independent readings behind it; an output without readings does not.
+    /// An output counts as worse by its ratio, by the number of independent readings behind it, and by what instruments show; an output without
+    /// readings does not.
     #[test]
     fn one_output_that_is_predicted_worse_is_named() {
         let without = [100.0, 100.0, 100.0, 0.0];
         let falls = |with: &[f64; 4]| -> Vec<f64> { (0..4).map(|k| without[k] - with[k]).collect() };
         let with = [10.0, 400.0, 225.0, 0.0];
-        assert_eq!(worst(&with, &without, &falls(&with)), Some((1, 2.0)));
+        assert_eq!(worst(&with, &without, &falls(&with), |_| true), Some((1, 2.0)));
+        assert_eq!(worst(&with, &without, &falls(&with), |k| k != 1), Some((2, 1.5)));
         // 25 % are within structure error.
         let with = [10.0, 1.25f64.powi(2) * 100.0, 90.0, 0.0];
-        assert_eq!(worst(&with, &without, &falls(&with)), None);
+        assert_eq!(worst(&with, &without, &falls(&with), |_| true), None);
         // So few independent readings are no evidence.
         let with = [10.0, 400.0, 90.0, 0.0];
         assert_eq!(
-            worst(&with, &without, &falls(&with).iter().map(|fall| fall / 60.0).collect::<Vec<_>>()),
+            worst(&with, &without, &falls(&with).iter().map(|fall| fall / 60.0).collect::<Vec<_>>(), |_| {
+                true
+            }),
             None
         );
     }
