@@ -9,7 +9,7 @@
 //! with the declared parameters.
 
 use crate::CalibrateError;
-use crate::comparison::converted;
+use crate::comparison::{converted, digits};
 use crate::experiment::{Channel, Role};
 use crate::levels::{DECISIVE, STRUCTURE};
 use crate::linearization::Linearization;
@@ -90,9 +90,11 @@ pub fn explains(point: &Linearization, found: f64) -> Result<Option<Unusable>, C
 
 fn sentence(setup: &Setup, wrong: &Wrong) -> Unusable {
     let (experiment, channel) = (setup.experiment, setup.experiment.inputs[wrong.input]);
-    let place = match wrong.runs[..] {
-        [one] if experiment.runs.len() > 1 => experiment.runs[one].file.clone(),
-        _ => "every run".to_string(),
+    let (place, also) = match wrong.runs[..] {
+        [one] if experiment.runs.len() > 1 => {
+            (experiment.runs[one].file.as_str(), "; this run may also be of another motor")
+        }
+        _ => ("every run", ""),
     };
     let (column, unit) = (channel.column, channel.unit.name());
     let (change, suggestion) = match wrong.fault {
@@ -101,16 +103,16 @@ fn sentence(setup: &Setup, wrong: &Wrong) -> Unusable {
                 "if {} {unit} is subtracted: the zero of its sensor is off",
                 converted(-wrong.correction)
             ),
-            format!("check the zero of {column}, and subtract what it reads at rest"),
+            format!("check the zero of {column}, and subtract what it reads at rest{also}"),
         ),
         Fault::Gain => (
             format!(
-                "times {}: the gain of its instrument, or its unit, is another",
-                converted(1.0 + wrong.correction)
+                "if it is multiplied by {}: the gain of its instrument is off, or the column is of another quantity",
+                digits(1.0 + wrong.correction)
             ),
             format!(
-                "check {column} against a second instrument (value of the shunt, scaling of the amplifier, amplitude or root mean square); \
-                 [columns] states the unit of a column"
+                "compare {column} with a second instrument (value of the shunt, scaling of the amplifier, amplitude or root mean square, \
+                 poles of the motor); [columns] states the unit of a column{also}"
             ),
         ),
     };
@@ -253,7 +255,7 @@ mod tests {
         for (input, gain) in [(0, 1.17), (0, 0.83), (0, 1.5), (1, 1.12), (1, 0.8)] {
             let why = said(CURRENT, &testing::OUTPUTS, None, (input, &|x| gain * x))
                 .unwrap_or_else(|| panic!("{input} {gain}"));
-            let factor = number_after(&why.reason, " times ");
+            let factor = number_after(&why.reason, " by ");
             assert!((factor * gain - 1.0).abs() < 0.05, "{gain}: {}", why.reason);
         }
     }

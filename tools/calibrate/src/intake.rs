@@ -20,6 +20,7 @@ mod departures;
 mod drifts;
 mod first_rows;
 mod gaps;
+mod misplaced;
 mod pulses;
 mod response;
 mod saturated;
@@ -93,6 +94,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     let spikes = signals::set_aside(experiment);
     dead_torque::set_aside(experiment, preset)?;
     first_rows::set_aside(experiment, preset)?;
+    misplaced::set_aside(experiment, preset, deadline);
     let stated = (experiment.priors.clone(), experiment.released.clone());
     // What the wrong readings asked for is not wanted without them.
     let again = |experiment: &mut Experiment| {

@@ -25,7 +25,7 @@ use std::cell::LazyCell;
 
 /// (1): a sensor on the motor reads between one eighth of the rise and eight times the rise. Limit: losses, conductance to the air and
 /// resistance between the nodes are each within a factor of two of the preset's.
-const LEVEL: (f64, f64) = (0.125, 8.0);
+pub(super) const LEVEL: (f64, f64) = (0.125, 8.0);
 /// Fewest rows of a section. Derivation: a standard deviation is then known to 13 %, 1 / sqrt(2 n).
 pub(super) const LEAST_ROWS: usize = 30;
 /// Numbers of sections of a run to which (2) is applied. Numerical: a failure of an eighth of a run or more is seen.
