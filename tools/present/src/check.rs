@@ -94,7 +94,7 @@ fn of_element(node: Node) -> Vec<String> {
 
 /// A name as programs write it, with at least two letters on both sides of an underscore. T_w and R_ha are symbols, and the structured
 /// name of a variable (motor.R_ref, effect.iron_loss.k) is its only name.
-fn is_key(word: &str) -> bool {
+pub fn is_key(word: &str) -> bool {
     let is_letter = |c: Option<char>| c.is_some_and(|c| c.is_ascii_alphabetic());
     if word
         .match_indices('.')
