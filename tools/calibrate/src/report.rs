@@ -14,10 +14,21 @@ use terms::TermText;
 /// The roles in the order of the report.
 pub const ROLES: [Role; 3] = [Role::Fit, Role::Validate, Role::Test];
 
+/// An id as words: `iron_loss` is iron loss.
+pub fn words(id: &str) -> String {
+    id.replace('_', " ")
+}
+
+/// A count with its noun: 1 reading, 3 readings.
+pub fn count_of(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Readable name of a column without its unit, and the unit of a difference in it.
 pub fn column_words(column: &str) -> (String, &'static str) {
     for (end, unit) in [
         ("rad_per_s", "rad/s"),
+        ("m3_per_s", "m³/s"),
         ("degC", "K"),
         ("Nm", "N·m"),
         ("Pa", "Pa"),
@@ -27,10 +38,10 @@ pub fn column_words(column: &str) -> (String, &'static str) {
         ("1", ""),
     ] {
         if let Some(name) = column.strip_suffix(end) {
-            return (name.trim_end_matches('_').replace('_', " "), unit);
+            return (words(name.trim_end_matches('_')), unit);
         }
     }
-    (column.replace('_', " "), "")
+    (words(column), "")
 }
 
 /// Name of a role in experiments and reports.
@@ -39,6 +50,14 @@ pub fn role_name(role: Role) -> &'static str {
         Role::Fit => "fit",
         Role::Validate => "validate",
         Role::Test => "test",
+    }
+}
+
+/// A role in a sentence.
+pub fn role_words(role: Role) -> &'static str {
+    match role {
+        Role::Validate => "validation",
+        Role::Fit | Role::Test => role_name(role),
     }
 }
 

@@ -14,6 +14,7 @@
 use super::Unusable;
 use crate::comparison::converted;
 use crate::experiment::Experiment;
+use crate::report::count_of;
 use physics::declare::Unit;
 
 /// Fraction of opposite signs in (1) above which readings have noise. Derivation: the middle between none and 0.73.
@@ -43,14 +44,16 @@ pub fn outputs(experiment: &mut Experiment) {
                 column.iter_mut().filter(|v| **v == end).for_each(|v| *v = f64::NAN);
                 // Below absolute zero a reading is a code for a missing one.
                 let why = if channel.is_temperature() && end < 0.0 {
-                    "which is no temperature, and are set aside"
+                    "which is no temperature; set aside"
                 } else {
-                    "where the sensor ends, and are set aside as clipped"
+                    "where the sensor ends; set aside as clipped"
                 };
                 let (name, at) = (channel.column, converted(end - channel.offset));
-                experiment
-                    .notes
-                    .push(format!("{}: {count} readings of {name} stand at {at}, {why}", run.file));
+                experiment.notes.push(format!(
+                    "{}: {} of {name} at {at}, {why}",
+                    run.file,
+                    count_of(count, "reading")
+                ));
             }
         }
     }
