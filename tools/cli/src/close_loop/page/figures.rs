@@ -113,7 +113,7 @@ pub fn over_drivers(experiment: &Experiment, outcome: &Outcome) -> Vec<Plate> {
                 let (y, after) =
                     (curve.measured[row] - curve.refit[row], curve.after[row] - curve.refit[row]);
                 left.extend(y.is_finite().then_some((*x, y)));
-                law.extend(after.is_finite().then_some((*x, after)));
+                law.extend((y + after).is_finite().then_some((*x, after)));
             }
         }
         if left.is_empty() {

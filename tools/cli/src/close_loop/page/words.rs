@@ -63,6 +63,7 @@ impl Words<'_> {
         let (mut pieces, mut described): (Vec<Piece>, Vec<&str>) = (Vec::new(), Vec::new());
         let mut rest = text;
         while let Some(from) = rest.find(is_of_name) {
+            let is_value = rest[..from].trim_end().ends_with('=');
             pieces.push(Piece::Text(rest[..from].to_owned()));
             let end = rest[from..].find(|c| !is_of_name(c)).map_or(rest.len(), |k| from + k);
             // A point or a dash at the end is one of the sentence.
@@ -73,13 +74,13 @@ impl Words<'_> {
             rest = &rest[from + name.len()..];
             let is_first = !described.contains(&name);
             described.push(name);
-            pieces.extend(self.of_name(name, is_first, rest.trim_start().starts_with('=')));
+            pieces.extend(self.of_name(name, is_first, is_value || rest.trim_start().starts_with('=')));
         }
         pieces.push(Piece::Text(rest.to_owned()));
         pieces
     }
 
-    /// A name in a sentence; `is_set` where a value follows it.
+    /// A name in a sentence; `is_set` where a value follows it, or where it is the value.
     fn of_name(&self, name: &str, is_first: bool, is_set: bool) -> Vec<Piece> {
         let text = |text: String| vec![Piece::Text(text)];
         let Experiment { inputs, outputs, runs, .. } = self.experiment;
@@ -169,8 +170,10 @@ mod tests {
             sentence,
             "heat capacity of the winding (<code>thermal.C_w</code>) = 5 J/K is at its limit: add <code>thermal.C_w</code> to [prior]"
         );
-        let set = words.sentence("set drive_mode=pwm, or cooling_mode = fan_crossflow").into_string();
-        for key in ["<code>drive_mode</code>=pwm", "<code>cooling_mode</code> = <code>fan_crossflow</code>"] {
+        let set = words.sentence("set drive_mode=pwm, or mechanical_mode = imposed_speed").into_string();
+        for key in
+            ["<code>drive_mode</code>=pwm", "<code>mechanical_mode</code> = <code>imposed_speed</code>"]
+        {
             assert!(set.contains(key), "{set}");
         }
     }
