@@ -142,10 +142,7 @@ mod tests {
             let (aside, note) = of(place, &|k, n| (0.2 * k + noise * n).min(50.0));
             let expected = if place == torque { 48..=53 } else { 49..=51 };
             assert!(expected.contains(&aside), "{place} {noise}: {aside} {note}");
-            assert!(
-                note.contains("readings of winding_temperature_degC at 50, where the sensor ends"),
-                "{note}"
-            );
+            assert!(note.contains(" at 50, where the sensor ends"), "{note}");
         }
         assert!(of(winding, &|k, n| (-0.2 * k - 0.01 * n).max(-30.0)).0 > 140);
         assert_eq!(of(winding, &|k, _| (0.4 * k).round() * 0.5).0, 0);

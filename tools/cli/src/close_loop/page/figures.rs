@@ -101,11 +101,6 @@ pub fn over_drivers(experiment: &Experiment, outcome: &Outcome) -> Vec<Plate> {
     drivers.push(("time in s".to_owned(), outcome.curves.iter().map(|c| c.time.clone()).collect()));
     let mut all = Vec::new();
     for (label, values) in drivers {
-        let finite = || values.iter().flatten().copied().filter(|x| x.is_finite());
-        let span = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
-        if span.is_nan() || span <= 0.0 {
-            continue;
-        }
         let (mut left, mut law) = (Vec::new(), Vec::new());
         for (curves, x) in outcome.curves.iter().zip(&values) {
             let Some(curve) = curves.outputs.iter().find(|c| c.column == worst) else { continue };
@@ -116,7 +111,8 @@ pub fn over_drivers(experiment: &Experiment, outcome: &Outcome) -> Vec<Plate> {
                 law.extend((y + after).is_finite().then_some((*x, after)));
             }
         }
-        if left.is_empty() {
+        // A driver with one value at all readings shows nothing.
+        if left.iter().all(|p| p.0 == left[0].0) {
             continue;
         }
         let title = format!("{name} over {}", label.split(" in ").next().unwrap_or(&label));
