@@ -5,7 +5,7 @@ use crate::experiment::{CELSIUS, Role};
 use crate::fit::Slopes;
 use crate::hypothesis::{Hypothesis, followed};
 use crate::levels::STRUCTURE;
-use crate::report::role_name;
+use crate::report::role_words;
 use crate::setup::Setup;
 use physics::declare::Unit;
 use physics::terms::{Driver, Drivers, GenericTerm, Law};
@@ -28,7 +28,7 @@ pub fn notes(
                 notes.push(format!(
                     "{} ({}): {}{} reaches {} in {} % of the run; the law on {} was found from {} to {} and is constant outside",
                     setup.experiment.runs[*run].file,
-                    role_name(role),
+                    role_words(role),
                     driver.name().replace('_', " "),
                     if term.lag.is_some_and(|lag| lag.driver == driver) { ", with its lag," } else { "" },
                     shown(driver, reached),

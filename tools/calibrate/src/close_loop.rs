@@ -22,6 +22,7 @@ use crate::instruments;
 use crate::levels::{DECISIVE, NEARLY, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Refusal, Unexplained, Verdict};
+use crate::report::count_of;
 use crate::search::{Scored, best_memory_term, latent_input_at, search};
 use crate::selection::{Candidate, Round, shares};
 use crate::separate::separate;
@@ -203,8 +204,9 @@ fn attempt<'a>(
         judgement.time_for_boxes = for_boxes;
         if options.extent != Extent::Fit && is_thin {
             judgement.notes.push(format!(
-                "{readings} readings and {} parameters: too few readings to look for missing effects",
-                setup.declared.len()
+                "{} and {}: too few readings to look for missing effects",
+                count_of(readings, "reading"),
+                count_of(setup.declared.len(), "parameter")
             ));
         }
         let mut outcome = estimates::outcome(&setup, &point, &refit.hypothesis, judgement)?;

@@ -11,7 +11,7 @@ pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> V
     let mut notes = Vec::new();
     for test in errors.iter().filter(|e| e.role == Role::Test) {
         let (name, unit) = column_words(test.column);
-        let with_unit = |x: f64| format!("{} {unit}", digits(x)).trim_end().to_string();
+        let with_unit = |x: f64| with_unit(x, unit).trim_end().to_string();
         if test.after <= AT_NOISE * test.floor {
             continue;
         }
@@ -71,8 +71,17 @@ pub fn digits(x: f64) -> String {
     if x == 0.0 {
         return "0".to_string();
     }
-    let places = (2.0 - x.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    if x.is_finite() { format!("{x:.places$}") } else { "no number".to_string() }
+    let places = (2.0 - x.abs().log10().floor()).max(0.0) as usize;
+    match x.abs() {
+        size if !size.is_finite() => "no number".to_string(),
+        size if size < 1e-4 => format!("{x:.2e}"),
+        _ => format!("{x:.places$}"),
+    }
+}
+
+/// A number with three significant digits and its unit; a pure number has none.
+pub fn with_unit(x: f64, unit: &str) -> String {
+    if unit == "1" { digits(x) } else { format!("{} {unit}", digits(x)) }
 }
 
 #[cfg(test)]
@@ -94,6 +103,13 @@ mod tests {
             blackbox: Some(blackbox),
             prediction,
         }
+    }
+
+    #[test]
+    fn numbers_have_three_digits() {
+        let cases = [(0.0, "0"), (4.9977, "5.00"), (14675.3, "14675"), (1e-12, "1.00e-12")];
+        cases.into_iter().for_each(|(x, text)| assert_eq!(digits(x), text));
+        assert_eq!((with_unit(5.0, "1"), with_unit(0.25, "s")), ("5.00".to_string(), "0.250 s".to_string()));
     }
 
     #[test]

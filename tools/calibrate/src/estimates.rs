@@ -4,7 +4,7 @@ use crate::CalibrateError;
 use crate::beyond;
 use crate::blackbox::black_boxes;
 use crate::close_loop::Judgement;
-use crate::comparison;
+use crate::comparison::{self, digits, with_unit};
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
@@ -72,11 +72,11 @@ pub fn outcome(
     }
     for (d, value) in setup.declared.iter().zip(&hypothesis.declared).filter(|(d, _)| d.is_released) {
         notes.push(format!(
-            "{name} has no prior, but its value {prior:.4} {unit} in the preset contradicts the data, and no effect explains them better \
-             than another value: {value:.4} {unit} was estimated; add {name} to [prior], or to [set] if its value is known",
-            name = d.name,
-            prior = d.prior,
-            unit = d.unit
+            "{name} has no prior, but its value {} in the preset contradicts the data, and no effect explains them better than another \
+             value: {} was estimated; add {name} to [prior], or to [set] if its value is known",
+            with_unit(d.prior, d.unit),
+            with_unit(*value, d.unit),
+            name = d.name
         ));
     }
     let mut effects = judged.effects;
@@ -114,7 +114,7 @@ pub fn outcome(
     let (after, ends): (Vec<Shown>, Vec<_>) = exact.show_to_end(&hypothesis, &all)?.into_iter().unzip();
     let ended = |(run, why): (&usize, Option<String>)| {
         why.map(|why| {
-            format!("{}: the repaired model does not reach the last row. {why}", experiment.runs[*run].file)
+            format!("{}: the calibrated model does not reach the last row. {why}", experiment.runs[*run].file)
         })
     };
     let endings: Vec<String> = all.iter().zip(ends).filter_map(ended).collect();
@@ -231,7 +231,7 @@ fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
     let parts: Vec<String> = of_fit
         .map(|e| {
             let (name, unit) = column_words(e.column);
-            format!("{name} {} {unit}", comparison::digits(e.refit)).trim_end().to_string()
+            format!("{name} {} {unit}", digits(e.refit)).trim_end().to_string()
         })
         .collect();
     (!parts.is_empty()).then(|| {
@@ -318,11 +318,10 @@ pub fn magnitude(point: &Linearization) -> String {
     let parts = point.setup.experiment.outputs.iter().zip(point.reach()).filter(|(_, reach)| *reach > 0.0);
     let change = |(channel, reach): (&&Channel, f64)| {
         let (name, unit) = column_words(channel.column);
-        let digits = (2.0 - reach.log10().floor()).clamp(0.0, 9.0) as usize;
-        format!("{name} by {reach:.digits$} {unit}")
+        format!("{name} by at most {} {unit}", digits(reach)).trim_end().to_string()
     };
     let parts: Vec<String> = parts.map(change).collect();
-    format!("changes at most {}", parts.join(", "))
+    format!("changes {}", parts.join(", "))
 }
 
 fn limits(point: &Linearization) -> Vec<Limit> {
@@ -430,17 +429,18 @@ fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3], half: 
 
 /// Sentence on a parameter at a limit, or with a value that its prior hardly permits.
 fn strain(d: &Declared, value: f64) -> Option<String> {
-    let (name, unit, (least, most)) = (&d.name, d.unit, d.limits);
+    let (name, (least, most)) = (&d.name, d.limits);
     let apart = (value - d.prior).abs() / d.deviation;
+    let [own, prior] = [value, d.prior].map(|x| with_unit(x, d.unit));
     if value <= least || value >= most {
+        let side = if value <= least { "lower" } else { "greater" };
         Some(format!(
-            "{name} = {value:.4} {unit} is at its limit: the data ask for a value beyond {least:.4} ... {most:.4}, or do not determine it"
+            "{name} = {own} is at its limit: the data ask for a {side} value, or do not determine it"
         ))
     } else if !d.is_free && !d.is_released && apart > CERTAIN {
         Some(format!(
-            "{name} = {value:.4} {unit} is {apart:.1} standard deviations of its prior from {:.4} {unit}: check the prior and the data, or an \
-             effect that the model still lacks moves it",
-            d.prior
+            "{name} = {own} is {apart:.1} standard deviations of its prior from {prior}: check the prior and the data, or an effect that \
+             the model still lacks moves it"
         ))
     } else {
         None
@@ -472,7 +472,8 @@ mod tests {
             sentence.contains("thermal.C_w") && sentence.contains("5.0 standard deviations"),
             "{sentence}"
         );
-        assert!(strain(d, d.limits.0).unwrap().contains("is at its limit"));
+        let sentence = strain(d, d.limits.0).unwrap();
+        assert!(sentence.contains("is at its limit: the data ask for a lower") && !sentence.contains("0000"));
     }
 
     /// An interval covers the exported value as widely as the estimate, also if they differ.

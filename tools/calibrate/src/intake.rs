@@ -37,6 +37,7 @@ use crate::levels::{SAMPLES, SMALL, STRUCTURE};
 pub use crate::outcome::{Refusal, Unusable};
 use crate::overrides::Override;
 use crate::parallel;
+use crate::report::count_of;
 use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
 use physics::declare::Unit;
@@ -231,8 +232,9 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
             }
             column.iter_mut().filter(|x| beyond(x)).for_each(|x| *x = f64::NAN);
             experiment.notes.push(format!(
-                "{}: {count} readings of {} outside {} ... {} are set aside",
+                "{}: {} of {} outside {} ... {} set aside",
                 run.file,
+                count_of(count, "reading"),
                 channel.column,
                 converted(least),
                 converted(most)

@@ -3,6 +3,8 @@
 //! The keys `name`, `verdict`, `seconds`, `effects`, `unexplained`, `parameters`, `error` and `fmu` are the contract;
 //! the other keys follow the rest of [`Outcome`]. A number that is not finite is null.
 
+mod words;
+
 use crate::experiment::Role;
 use crate::intake::Unusable;
 use crate::outcome::{self, ChannelError as Error, Estimate, Found, Outcome};
@@ -10,37 +12,10 @@ use physics::terms::{Driver, Port};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use terms::TermText;
+pub use words::{column_words, count_of, role_name, role_words, words};
 
 /// The roles in the order of the report.
 pub const ROLES: [Role; 3] = [Role::Fit, Role::Validate, Role::Test];
-
-/// Readable name of a column without its unit, and the unit of a difference in it.
-pub fn column_words(column: &str) -> (String, &'static str) {
-    for (end, unit) in [
-        ("rad_per_s", "rad/s"),
-        ("degC", "K"),
-        ("Nm", "N·m"),
-        ("Pa", "Pa"),
-        ("V", "V"),
-        ("A", "A"),
-        ("W", "W"),
-        ("1", ""),
-    ] {
-        if let Some(name) = column.strip_suffix(end) {
-            return (name.trim_end_matches('_').replace('_', " "), unit);
-        }
-    }
-    (column.replace('_', " "), "")
-}
-
-/// Name of a role in experiments and reports.
-pub fn role_name(role: Role) -> &'static str {
-    match role {
-        Role::Fit => "fit",
-        Role::Validate => "validate",
-        Role::Test => "test",
-    }
-}
 
 /// Unit of a driver; 1 if dimensionless.
 pub fn driver_unit(driver: Driver) -> &'static str {

@@ -52,6 +52,14 @@ const NODES: [(f64, f64); 4] = [(0.15, 0.5), (0.15, 1.5), (0.4, 0.5), (0.4, 1.5)
 /// Least size of an effect relative to its trial. Numerical: for a smaller one the trial is no linearization.
 const LEAST_TRIAL: f64 = 0.1;
 
+/// In the name of an effect that does not act in all runs, before their files. Definition: of the name.
+pub const IN_SOME_RUNS: &str = " in some runs";
+
+/// What the names of variants of one effect in different runs have in common.
+pub fn variants(name: &str) -> &str {
+    name.split_once(" (").map_or(name, |(common, _)| common)
+}
+
 /// Candidate for a missing effect, with its evidence.
 #[derive(Clone, Debug)]
 pub struct Scored {
@@ -261,7 +269,15 @@ fn listed(point: &Linearization, per_number: f64) -> Vec<Scored> {
             }
             // Penalty for the choice of runs: 2 ln of the number of choices.
             let choice = if partly { 2.0 * (everywhere as f64).ln() } else { 0.0 };
-            let name = if partly { format!("{} in some runs", listed.id) } else { listed.id.to_string() };
+            let mut files: Vec<&str> = (point.runs.iter().zip(&pattern))
+                .filter(|(_, on)| **on)
+                .map(|(run, _)| point.setup.experiment.runs[*run].file.as_str())
+                .collect();
+            files.dedup();
+            let name = match partly {
+                true => format!("{}{IN_SOME_RUNS} ({})", listed.id, files.join(", ")),
+                false => listed.id.to_string(),
+            };
             Some(named(listed, name, addition, &gain, per_number + choice))
         };
         patterns.into_iter().filter_map(with).collect()

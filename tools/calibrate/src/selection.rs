@@ -15,12 +15,13 @@ mod preference;
 mod tests;
 
 use crate::CalibrateError;
+use crate::comparison::with_unit;
 use crate::hypothesis::{Addition, Hypothesis};
 use crate::levels::{DECISIVE, NEARLY, SAMPLES};
 use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
 use crate::parallel;
-use crate::search::{Scored, choice};
+use crate::search::{IN_SOME_RUNS, Scored, choice, variants};
 use crate::setup::{BLOCKS, Setup};
 pub use companion::{beside, companion};
 use gate::{Judged, gate, implausible};
@@ -287,7 +288,12 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
     if is_out {
         let is_fitted = |s: &&Scored| {
             let failed = round.failed.iter().map(|(scored, _)| &scored.name);
-            round.candidates.iter().map(|c| &c.name).chain(failed).any(|name| *name == s.name)
+            round
+                .candidates
+                .iter()
+                .map(|c| &c.name)
+                .chain(failed)
+                .any(|name| variants(name) == variants(&s.name))
         };
         let rest: Vec<Scored> = scored.iter().filter(|s| !is_fitted(s)).cloned().collect();
         let (second, _) = among(point, start, &rest);
@@ -382,9 +388,9 @@ fn choose(scored: &[Scored], is_first: bool) -> Vec<&Scored> {
             let Some(addition) = &candidate.addition else { continue };
             let k = addition.kind();
             let is_chosen = chosen.iter().any(|c| std::ptr::eq(*c, candidate));
-            let names = chosen.iter().filter(|c| c.name == candidate.name).count();
+            let names = chosen.iter().filter(|c| variants(&c.name) == variants(&candidate.name)).count();
             // An effect may act in other runs than first estimated, so two variants are allowed.
-            let twice = names > usize::from(k == 0 && candidate.name.ends_with("some runs"));
+            let twice = names > usize::from(k == 0 && variants(&candidate.name).ends_with(IN_SOME_RUNS));
             let is_far = worth(candidate) < BEHIND * best;
             if taken[k] >= quota[k] || is_far || (twice && !is_chosen) {
                 continue;
@@ -461,5 +467,5 @@ pub fn at_limit(addition: &Addition) -> Option<String> {
         let (least, most) = number.limits;
         (number.value <= least && least != 0.0) || number.value >= most
     })?;
-    Some(format!("{} = {:.4} stands at its limit", stuck.symbol, stuck.value))
+    Some(format!("{} = {} is at its limit", stuck.symbol, with_unit(stuck.value, stuck.unit)))
 }

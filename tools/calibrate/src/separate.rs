@@ -6,6 +6,7 @@
 
 use crate::experiment::{CHANNELS, Channel};
 use crate::hypothesis::Hypothesis;
+use crate::report::{column_words, words};
 use crate::setup::Setup;
 use crate::simulate::Drive;
 use physics::model::{Model, Slot};
@@ -17,7 +18,7 @@ const LEVELS: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Output that would differ.
 struct Reading {
-    name: &'static str,
+    name: String,
     unit: &'static str,
     slot: Slot,
     /// Standard deviation of its noise.
@@ -83,10 +84,11 @@ fn readings(setup: &Setup) -> Vec<Reading> {
     let channels = CHANNELS.iter().filter(|c| c.is_usual && !driven(c)).filter_map(|c| {
         let slot = declaration.by_name(c.output?)?.slot;
         let noise = measured(c).map(|output| setup.sigma(output));
-        Some(Reading { name: c.column, unit: c.unit.name(), slot, noise, is_temperature: c.is_temperature() })
+        let (name, unit) = column_words(c.column);
+        Some(Reading { name, unit, slot, noise, is_temperature: c.is_temperature() })
     });
     let resistance = declaration.by_name("winding_resistance").map(|entry| Reading {
-        name: "winding_resistance (at a short pause)",
+        name: "winding resistance (at a short pause)".to_owned(),
         unit: entry.row.unit.name(),
         slot: entry.slot,
         noise: None,
@@ -114,7 +116,8 @@ fn designs(setup: &Setup) -> Vec<(String, Drive)> {
             let level = LEVELS[counter[place]] * most[*k];
             columns[*k][1..rows / 2].fill(level);
             columns[*k][rows / 2..].fill(0.0);
-            what.push(format!("{} = {}", inputs[*k].column, rounded(level)));
+            let (name, unit) = column_words(inputs[*k].column);
+            what.push(format!("{name} = {} {unit}", rounded(level)).trim_end().to_owned());
         }
         all.push((
             format!("make a run with {} for a quarter of an hour, then at rest, and", what.join(", ")),
@@ -174,11 +177,12 @@ fn compare(
         // An output that is nearly constant cannot distinguish models by hundredths of its value.
         (levels.is_finite() && apart.abs() > LEAST).then(|| Difference {
             sentence: format!(
-                "{what} measure {}; after {:.0} s the predictions with {a_name} and {b_name} differ by {} {} ({levels:.0} {unit})",
+                "{what} measure {}; after {:.0} s the predictions with {} and {} differ by {} ({levels:.0} {unit})",
                 reading.name,
                 drive.time[row] - drive.time[0],
-                rounded(apart.abs()),
-                reading.unit,
+                words(a_name),
+                words(b_name),
+                format!("{} {}", rounded(apart.abs()), reading.unit).trim_end(),
             ),
             levels,
         })
@@ -210,11 +214,11 @@ mod tests {
         let sentence = separate(&setup, &one, &other, ["iron_loss", "windage"]).unwrap();
         assert!(
             sentence.starts_with("make a run with")
-                && sentence.contains("the predictions with iron_loss and windage differ by")
+                && sentence.contains("the predictions with iron loss and windage differ by")
         );
-        assert!(sentence.contains("speed_rad_per_s = 200"), "{sentence}");
+        assert!(sentence.contains("speed = 200 rad/s") && !sentence.contains('_'), "{sentence}");
         // Friction power becomes heat: a temperature read to a thousandth distinguishes better than the torque.
-        assert!(sentence.contains("measure winding_temperature_degC;"), "{sentence}");
+        assert!(sentence.contains("measure winding temperature;"), "{sentence}");
     }
 
     #[test]
@@ -238,7 +242,7 @@ mod tests {
             (with(&setup, "winding_sensor_offset", 0.0), with(&setup, "winding_sensor_offset", 3.0));
         let sentence = separate(&setup, &one, &other, ["none", "offset"]).unwrap();
         assert!(
-            sentence.contains("measure winding_temperature_degC;") && sentence.contains("differ by 3.00 K"),
+            sentence.contains("measure winding temperature;") && sentence.contains("differ by 3.00 K"),
             "{sentence}"
         );
         assert!(separate(&setup, &one, &one, ["a", "b"]).is_none());

@@ -216,7 +216,7 @@ fn unusable(
         .made_of(made_of);
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
     write(&args.out.join("report.json"), &json)?;
-    write(&args.out.join("report.html"), &page::unusable(experiment, why, made_of))?;
+    write(&args.out.join("report.html"), &page::unusable(experiment, why, (kind.declaration)(), made_of))?;
     let mut text =
         format!("{}: unusable: {}.\n{}.\n", experiment.name, why.reason, page::capital(&why.suggestion));
     for note in experiment.notes.iter().cloned().chain(text::own_headers(experiment, &[&why.reason])) {

@@ -78,6 +78,9 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
         }
     }
     let value = |c: &&Column| {
+        if c.kind == Kind::Boolean {
+            return Some(format!("{} = {}", words(&c.name), c.values.last()? != &0.0));
+        }
         c.last_shown().map(|(v, unit)| {
             format!("{} = {} {}", words(&c.name), present::number(v), readable(unit)).trim_end().to_owned()
         })

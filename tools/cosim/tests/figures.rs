@@ -172,6 +172,8 @@ fn an_early_end_is_in_the_figure() {
     };
     let mut columns = vec![column("motor.shaft_torque", "N.m".into()), column("x_1", "V".into())];
     columns.extend((0..9).map(|k| column("u", format!("unit{k}"))));
+    let flag = column("motor.over_temperature", String::new());
+    columns.push(Column { kind: Kind::Boolean, values: vec![0.0, 0.0], ..flag });
     let reason = "the hottest phase reaches its limit of validity";
     let mut r = Recording {
         model_name: "M".to_owned(),
@@ -198,6 +200,7 @@ fn an_early_end_is_in_the_figure() {
     let text_of = text(&r);
     for expected in [
         "motor: shaft torque",
+        "Constant: motor: over temperature = false.",
         "x_1",
         &format!("The FMU ended the run in the step from 950 s, before the stop time: {reason}."),
         "at most 10 panels (--outputs chooses): u.",

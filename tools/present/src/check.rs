@@ -35,6 +35,14 @@ pub fn faults(page: &str) -> Vec<String> {
     faults
 }
 
+/// The texts of a page without what is code: a name in them is a word.
+pub fn texts(page: &str) -> Vec<String> {
+    let body = page.find("<body").and_then(|from| Some(&page[from..page.find("</body>")? + 7]));
+    let Some(Ok(document)) = body.map(Document::parse) else { return Vec::new() };
+    let is_word = |n: &Node| n.is_text() && !inside(*n, "code") && !inside(*n, "style");
+    document.descendants().filter(is_word).filter_map(|n| n.text().map(str::to_owned)).collect()
+}
+
 fn inside(node: Node, tag: &str) -> bool {
     node.ancestors().any(|a| a.has_tag_name(tag) || a.tag_name().name() == tag)
 }
@@ -92,9 +100,9 @@ fn of_element(node: Node) -> Vec<String> {
     faults
 }
 
-/// A name as programs write it, with at least two letters on both sides of an underscore. T_w and R_ha are symbols, and the structured
+/// Whether a word is a name as programs write it, with at least two letters on both sides of an underscore. T_w and R_ha are symbols, and the structured
 /// name of a variable (motor.R_ref, effect.iron_loss.k) is its only name.
-fn is_key(word: &str) -> bool {
+pub fn is_key(word: &str) -> bool {
     let is_letter = |c: Option<char>| c.is_some_and(|c| c.is_ascii_alphabetic());
     if word
         .match_indices('.')
@@ -150,6 +158,10 @@ mod tests {
         }
         let fine = "<h2>Winding R_ha of <code>motor.k_t</code></h2><p>fan_command, 0.3865, 0.0009822</p><h3>effect.iron_loss.k</h3>";
         assert_eq!(faults(&page("Title", html! { (PreEscaped(fine)) })), Vec::<String>::new());
+        assert_eq!(
+            texts(&page("Title", html! { (PreEscaped(fine)) }))[..3],
+            ["Title", "Winding R_ha of ", "fan_command, 0.3865, 0.0009822"]
+        );
         assert_eq!(faults("<html></html>").len(), 4);
     }
 }

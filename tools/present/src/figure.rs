@@ -52,6 +52,7 @@ enum Kind {
     Line,
     Dashed,
     Points,
+    Rings,
     Band,
 }
 
@@ -154,6 +155,11 @@ impl Figure {
         self.with(label, Kind::Points, points, Vec::new())
     }
 
+    /// With rings, which leave the points below them visible.
+    pub fn rings(self, label: &str, points: Vec<(f64, f64)>) -> Figure {
+        self.with(label, Kind::Rings, points, Vec::new())
+    }
+
     /// With points that have error bars of these half-lengths.
     pub fn points_with_bars(self, label: &str, points: Vec<(f64, f64)>, bars: Vec<f64>) -> Figure {
         self.with(label, Kind::Points, points, bars)
@@ -219,7 +225,7 @@ impl Figure {
     fn x_scale(&self, left: f64) -> Scale {
         let series = || self.panels.iter().flat_map(|p| &p.series);
         // Lines may reach the frame, points may not.
-        let margin = if series().any(|s| s.kind != Kind::Points) { 0.0 } else { 0.06 };
+        let margin = if series().any(|s| !matches!(s.kind, Kind::Points | Kind::Rings)) { 0.0 } else { 0.06 };
         let values = series().flat_map(|s| s.points.iter().map(|p| p.0));
         Scale::over(&self.x, values, margin, (left, WIDTH - PAD))
     }
@@ -264,8 +270,11 @@ impl Figure {
         marks: &layout::Ticks,
         (height, lowest): (f64, bool),
     ) -> (Markup, f64) {
-        let entries = panel.series.iter().filter(|s| !s.label.is_empty()).map(|s| {
+        // A series without a value is not in the figure, and so not in its legend.
+        let is_drawn = |s: &Series| s.points.iter().any(|(a, b)| a.is_finite() && b.is_finite());
+        let entries = panel.series.iter().filter(|s| !s.label.is_empty() && is_drawn(s)).map(|s| {
             let swatch = match s.kind {
+                Kind::Rings => Swatch::Ring,
                 Kind::Points => Swatch::Point,
                 Kind::Band => Swatch::Area,
                 _ => Swatch::Line(s.dash()),
@@ -374,6 +383,11 @@ fn draw_series(series: &Series, x: &Scale, y: &Scale, thin: bool) -> Markup {
             let outline: Vec<String> = outline.collect();
             html! { path class={ "w d" (colour) } d={ "M" (outline.join("L")) "Z" } {} }
         }
+        Kind::Rings => html! {
+            @for (a, b) in series.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()) {
+                circle class={ "k k" (colour) } cx=(n(x.at(*a))) cy=(n(y.at(*b))) r="4" {}
+            }
+        },
         Kind::Points => html! {
             // The rims of many points would cover their neighbours.
             @let (class, radius) = if series.points.len() > DENSE { ("d", "2") } else { ("p d", "4") };

@@ -89,6 +89,8 @@ pub enum Cell {
     Number(String),
     /// A name of a variable or file as it is written.
     Code(String),
+    /// A unit of FMI; it stays in one line.
+    Unit(&'static str),
 }
 
 impl Cell {
@@ -128,6 +130,7 @@ pub fn labelled_table(id: &str, headers: &[&str], rows: Vec<(&str, Vec<Cell>)>) 
                         @match cell {
                             Cell::Text(text) => td class=[(text.chars().count() > 60).then_some("w")] data-label=(header) { (text) },
                             Cell::Number(text) => td.n data-label=(header) { (text) },
+                            Cell::Unit(name) => td.u data-label=(header) { (crate::unit(name)) },
                             Cell::Code(text) => td data-label=(header) { @if !text.is_empty() { code { (text) } } },
                         }
                     }
@@ -152,13 +155,26 @@ mod tests {
                 "\"quoted\"".into(),
                 Cell::maybe(None),
             ]]))
+            // Five columns, so blocks in a narrow window; there and in a row a unit is not broken.
+            (table(&["limit", "of", "size", "unit", "reason"], vec![vec![Cell::number(1.0), "a".into(), "b".into(), Cell::Unit("W/K4"), "c".into()]]))
             (picture("<?xml version=\"1.0\"?><svg aria-label=\"walk\"></svg>", "A walk").unwrap())
         };
         let page = page("A & B < C", body);
         assert_eq!(check::faults(&page), Vec::<String>::new());
-        for text in ["<h1>A &amp; B &lt; C</h1>", "The &lt;power&gt;.", "a &amp; b", "&quot;quoted&quot;"] {
+        for text in [
+            "<h1>A &amp; B &lt; C</h1>",
+            "The &lt;power&gt;.",
+            "a &amp; b",
+            "&quot;quoted&quot;",
+            "<td class=\"u\" data-label=\"unit\">W/K⁴</td>",
+        ] {
             assert!(page.contains(text), "{text}: {page}");
         }
+        assert!(STYLE.contains("td.u{white-space:nowrap}"));
+        assert!(
+            STYLE.contains(".cards td.n:first-child::before"),
+            "a number as the head of a block has its label"
+        );
         assert!(!page.contains("<?xml") && picture("png", "").is_none());
     }
 }

@@ -7,6 +7,7 @@
 //! over the fit runs; the prediction is the simulation of (1) from the first block.
 
 use super::{Candidate, Series};
+use crate::comparison::digits;
 use crate::deadline::Deadline;
 use crate::experiment::Role;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -107,7 +108,7 @@ fn candidate(
     });
     let kind = match order {
         0 => "static functions of the inputs".to_string(),
-        n => format!("ARX of order {n}, interval {length:.3} s"),
+        n => format!("ARX of order {n}, interval {} s", digits(length)),
     };
     Some(Candidate { kind, predicted: predicted.collect(), parameters: free })
 }

@@ -14,6 +14,7 @@
 use super::Unusable;
 use crate::comparison::converted;
 use crate::experiment::Experiment;
+use crate::report::count_of;
 use physics::declare::Unit;
 
 /// Fraction of opposite signs in (1) above which readings have noise. Derivation: the middle between none and 0.73.
@@ -43,14 +44,16 @@ pub fn outputs(experiment: &mut Experiment) {
                 column.iter_mut().filter(|v| **v == end).for_each(|v| *v = f64::NAN);
                 // Below absolute zero a reading is a code for a missing one.
                 let why = if channel.is_temperature() && end < 0.0 {
-                    "which is no temperature, and are set aside"
+                    "which is no temperature; set aside"
                 } else {
-                    "where the sensor ends, and are set aside as clipped"
+                    "where the sensor ends; set aside as clipped"
                 };
                 let (name, at) = (channel.column, converted(end - channel.offset));
-                experiment
-                    .notes
-                    .push(format!("{}: {count} readings of {name} stand at {at}, {why}", run.file));
+                experiment.notes.push(format!(
+                    "{}: {} of {name} at {at}, {why}",
+                    run.file,
+                    count_of(count, "reading")
+                ));
             }
         }
     }
@@ -139,7 +142,7 @@ mod tests {
             let (aside, note) = of(place, &|k, n| (0.2 * k + noise * n).min(50.0));
             let expected = if place == torque { 48..=53 } else { 49..=51 };
             assert!(expected.contains(&aside), "{place} {noise}: {aside} {note}");
-            assert!(note.contains("stand at 50, where the sensor ends"), "{note}");
+            assert!(note.contains(" at 50, where the sensor ends"), "{note}");
         }
         assert!(of(winding, &|k, n| (-0.2 * k - 0.01 * n).max(-30.0)).0 > 140);
         assert_eq!(of(winding, &|k, _| (0.4 * k).round() * 0.5).0, 0);

@@ -13,6 +13,7 @@
 
 use super::signals::{ALIKE, NEAR_BY, Readings, bound};
 use crate::experiment::{Channel, Experiment, Table};
+use crate::report::count_of;
 use std::f64::consts::PI;
 
 /// Least change of an input, in SI units. Numerical: rounding.
@@ -82,8 +83,10 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], spike
             }
             for (column, count) in aside.into_iter().enumerate().filter(|(_, count)| *count > 0) {
                 notes.push(format!(
-                    "{}: {count} readings of {} that leave the prediction of the model for a few rows are set aside as spikes",
-                    run.file, channels[column].column
+                    "{}: {} of {} set aside as spikes, which leave the prediction of the model for a few rows only",
+                    run.file,
+                    count_of(count, "reading"),
+                    channels[column].column
                 ));
             }
         }

@@ -21,6 +21,7 @@ use super::{FAR, Predicted, ambient, departures, deviation, median, sorted};
 use crate::experiment::{Channel, Experiment};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
+use crate::report::count_of;
 use std::cell::LazyCell;
 
 /// (1): a sensor on the motor reads between one eighth of the rise and eight times the rise. Limit: losses, conductance to the air and
@@ -265,7 +266,8 @@ fn blank(experiment: &mut Experiment, failures: &[Failure], k: usize) -> String 
         return format!("{}: {} {why}; it is set aside in this run", run.file, channel.column);
     }
     own.rows.iter().zip(&bad).filter(|(_, bad)| **bad).for_each(|(row, _)| column[*row] = f64::NAN);
-    format!("{}: {} {why}; {count} readings from {from} s to {to} s are set aside", run.file, channel.column)
+    let count = count_of(count, "reading");
+    format!("{}: {} {why}; {count} from {from} s to {to} s set aside", run.file, channel.column)
 }
 
 /// Extends the failed rows, with a margin, as long as the reading deviates from the prediction by more than usual. The extension ends at a

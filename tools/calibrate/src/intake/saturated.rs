@@ -14,6 +14,7 @@ use super::{Predicted, sorted};
 use crate::experiment::Experiment;
 use crate::levels::{FACTOR, SMALL};
 use crate::noise;
+use crate::report::count_of;
 use std::ops::Range;
 
 /// Sets aside the readings, with notes; the predictions by the preset and by each output's fit. Result: whether there were any.
@@ -43,9 +44,11 @@ pub(super) fn set_aside(experiment: &mut Experiment, predicted: &Predicted, fitt
                 found = true;
                 let (count, from, to) = (rows.len(), time[rows[0]], time[rows[rows.len() - 1]]);
                 experiment.notes.push(format!(
-                    "{}: {} ends at a level while the motor goes beyond it, as a saturated amplifier does; {count} readings from {from} s \
-                     to {to} s are set aside",
-                    own.file, channel.column
+                    "{}: {} ends at a level while the motor goes beyond it, as a saturated amplifier does; {} from {from} s to {to} s set \
+                     aside",
+                    own.file,
+                    channel.column,
+                    count_of(count, "reading")
                 ));
             }
         }

@@ -5,6 +5,7 @@ use super::{Candidate, LEAST, NEAR, at_limit};
 use crate::CalibrateError;
 use crate::acting::acting;
 use crate::catalogue::LISTED;
+use crate::comparison::{digits, with_unit};
 use crate::deadline::Deadline;
 use crate::experiment::Role;
 use crate::fit::Fitted;
@@ -45,8 +46,10 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     let (white, raw) = candidate.delta;
     if candidate.sure() <= asked {
         let sentence = format!(
-            "lowers BIC by {raw:.1} for white noise and by {white:.1} for autocorrelated noise; more than {asked} is required, because \
-             the structure error of a model can explain less"
+            "lowers BIC by {} for white noise and by {} for autocorrelated noise; more than {asked} is required, because the structure \
+             error of a model can explain less",
+            digits(raw),
+            digits(white)
         );
         return Ok(Judged::refused(sentence));
     }
@@ -57,11 +60,13 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     let validation = validated.map(|v| v.ratio());
     // A null model with a great memory leaves little of the density; a mean square error that halves needs no other measure.
     let is_halved = validated.is_some_and(|v| v.with < LARGE * v.without);
-    let of_density = validated.and_then(|v| v.density).filter(|gain| *gain < NEAR && !is_halved).map(|gain| {
-        format!(
-            "the validation runs are hardly predicted better: -2 ln p falls by {gain:.1}; {NEAR} is asked for"
-        )
-    });
+    let of_density =
+        validated.and_then(|v| v.density).filter(|gain| *gain < NEAR && !is_halved).map(|gain| {
+            format!(
+                "the validation runs are hardly predicted better: -2 ln p falls by {}; {NEAR} is asked for",
+                digits(gain)
+            )
+        });
     // The density is one to first order about the fit: without a better fit or a smaller error it says nothing.
     let of_nothing = validated.and_then(|v| v.density).filter(|gain| white - gain < LEAST).and(validation);
     let of_nothing = of_nothing.filter(|ratio| *ratio >= 1.0 - STRUCTURE).map(|ratio| {
@@ -73,8 +78,8 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
         let how = if ratio < 1.0 { "hardly predicted better" } else { "predicted worse" };
         (ratio >= 1.0 - STRUCTURE || v.fall < NEAR).then(|| {
             format!(
-                "what was not fitted is {how}: {ratio:.3} times the error without it, chi square falls by {:.1}; {NEAR} is asked for",
-                v.fall
+                "what was not fitted is {how}: {ratio:.3} times the error without it, chi square falls by {}; {NEAR} is asked for",
+                digits(v.fall)
             )
         })
     });
@@ -133,7 +138,7 @@ fn to_a_limit(before: &Linearization, candidate: &Candidate) -> Option<String> {
         let is_replaced = **with == 0.0 && is_size_at(&own.name, candidate.addition().port);
         own.is_inside(**before) && !own.is_inside(**with) && !is_replaced
     })?;
-    Some(format!("{} reaches its limit {value:.4} {} with it", own.name, own.unit))
+    Some(format!("{} reaches its limit {} with it", own.name, with_unit(*value, own.unit)))
 }
 
 /// Whether a parameter is the size of a listed effect at this port: an effect there may be the right form of it, and leave nothing.

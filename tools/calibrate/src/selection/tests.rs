@@ -41,8 +41,9 @@ fn variants_leave_room_for_other_effects() {
     let experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
     let setup = Setup::new(&experiment, &[]).unwrap();
     let windage = || Some(crate::testing::addition(&setup, "windage", 1e-8));
-    let mut all: Vec<Scored> =
-        (0..9).map(|k| scored("windage in some runs", windage(), 90.0 - f64::from(k))).collect();
+    let mut all: Vec<Scored> = (0..9)
+        .map(|k| scored(&format!("windage in some runs (run-{k}.csv)"), windage(), 90.0 - f64::from(k)))
+        .collect();
     all.extend((0..9).map(|k| scored(&format!("effect {k}"), windage(), 80.0 - f64::from(k))));
     let names: Vec<&str> = choose(&all, true).into_iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names.iter().filter(|n| n.starts_with("windage")).count(), 2, "{names:?}");

@@ -2,6 +2,7 @@
 
 pub(super) mod figures;
 mod measurement;
+mod words;
 
 use super::text::{
     attached, driver, law, list, number, own_headers, plain, port, replay as replay_words, verdict,
@@ -9,10 +10,11 @@ use super::text::{
 use calibrate::experiment::{Experiment, Role};
 use calibrate::intake::Unusable;
 use calibrate::outcome::{Curves, Evidence, Follows, Found, Outcome, Unexplained, Verdict};
-use calibrate::report::{Provenance, ROLES, Replay, column_words, role_name};
+use calibrate::report::{Provenance, ROLES, Replay, column_words, role_words};
 use describe::Declaration;
 use maud::{Markup, html};
 use present::page::{Cell, page as page_of, plates, table};
+use words::Words;
 
 /// The page; `notes` are those of the outcome and of the export.
 pub fn page(
@@ -23,13 +25,14 @@ pub fn page(
     declaration: &Declaration,
     provenance: &Provenance,
 ) -> String {
+    let words = Words { experiment, declaration };
     let body = html! {
         p.lead { (capital(&verdict(outcome))) }
         p { (status(outcome, replay)) }
         (about(experiment, outcome))
         (made(provenance))
         (errors(outcome))
-        (effects(outcome, declaration))
+        (effects(outcome, words))
         @if let Some(found) = &outcome.unexplained { (unexplained(found, experiment, outcome)) }
         (next(experiment, outcome))
         (limits(outcome))
@@ -39,16 +42,16 @@ pub fn page(
             h2 { "Location of the residual" }
             p {
                 "An unconstrained input at each port of the model, estimated jointly with the parameters: the fraction of the \
-                 residual beyond noise that it explains after the refit."
+                 residual beyond noise that it explains after the fit."
             }
             (plates(&[figures::localised(outcome)]))
         }
-        (candidates(outcome))
-        (parameters(experiment, outcome, declaration))
+        (candidates(outcome, words))
+        (parameters(outcome, words))
         (measurement::noises(experiment, outcome))
         (whiteness(outcome))
         (exported(outcome, replay))
-        @if !notes.is_empty() { h2 { "Notes" } ul { @for note in notes { li { (note) } } } }
+        @if !notes.is_empty() { h2 { "Notes" } ul { @for note in notes { li { (words.sentence(note)) } } } }
     };
     page_of(&title(&outcome.name), body)
 }
@@ -59,13 +62,19 @@ pub fn title(experiment: &str) -> String {
 }
 
 /// The page on data of which nothing can be said.
-pub fn unusable(experiment: &Experiment, why: &Unusable, provenance: &Provenance) -> String {
+pub fn unusable(
+    experiment: &Experiment,
+    why: &Unusable,
+    declaration: &Declaration,
+    provenance: &Provenance,
+) -> String {
+    let words = Words { experiment, declaration };
     let body = html! {
-        p.lead { "Unusable data: " (why.reason) "." }
-        p { "Channel: " code { (why.channel) } ". Suggestion: " (why.suggestion) ". Nothing was fitted and no effect was looked for." }
-        @if let Some(headers) = own_headers(experiment, &[&why.reason]) { p { (capital(&headers)) "." } }
+        p.lead { "Unusable data: " (words.sentence(&why.reason)) "." }
+        p { "Channel: " code { (why.channel) } ". Suggestion: " (words.sentence(&why.suggestion)) ". Nothing was fitted and no effect was looked for." }
+        @if let Some(headers) = own_headers(experiment, &[&why.reason]) { p { (capital(&words.text(&headers))) "." } }
         (made(provenance))
-        @if !experiment.notes.is_empty() { h2 { "Notes" } ul { @for note in &experiment.notes { li { (note) } } } }
+        @if !experiment.notes.is_empty() { h2 { "Notes" } ul { @for note in &experiment.notes { li { (words.sentence(note)) } } } }
     };
     page_of(&title(&experiment.name), body)
 }
@@ -90,12 +99,7 @@ fn about(experiment: &Experiment, outcome: &Outcome) -> Markup {
                 files.push(run.file.clone());
             }
         }
-        let words = match role {
-            Role::Fit => "fit",
-            Role::Validate => "validation",
-            Role::Test => "test",
-        };
-        (!files.is_empty()).then(|| format!("{words} on {}", list(&files, "and")))
+        (!files.is_empty()).then(|| format!("{} on {}", role_words(role), list(&files, "and")))
     };
     let runs: Vec<String> = ROLES.into_iter().filter_map(of_role).collect();
     html! {
@@ -128,8 +132,9 @@ fn over_drivers(experiment: &Experiment, outcome: &Outcome) -> Markup {
         @if !all.is_empty() {
             h2 { "Residual over the drivers" }
             p {
-                "The output whose refit is furthest above its noise. Where points of the residual follow one curve over a driver, an effect \
-                 follows this driver; the law that was found has to lie on them."
+                "The output whose error after the fit of the parameters is furthest above its noise. Where points of the residual follow one \
+                 curve over a driver, an effect follows this driver."
+                @if !outcome.effects.is_empty() { " The law that was found has to lie on them." }
             }
             (plates(&all))
         }
@@ -167,28 +172,52 @@ fn status(outcome: &Outcome, replay: &Replay) -> String {
 
 fn errors(outcome: &Outcome) -> Markup {
     let row = |e: &calibrate::outcome::ChannelError| {
-        let mut cells: Vec<Cell> = vec![role_name(e.role).into(), channel(e.column).into()];
+        let mut cells: Vec<Cell> = vec![channel(e.column).into(), role_words(e.role).into()];
         cells.extend([e.before, e.refit, e.after, e.floor, e.after / e.floor].map(Cell::number));
         cells.push(Cell::maybe(e.blackbox));
         cells
     };
-    let headers = ["runs", "output", "before", "refit", "after", "noise", "after / noise", "black box"];
+    let headers = ["output", "runs", "before", "refit", "after", "noise", "after / noise", "black box"];
     let boxes: Vec<String> =
         outcome.boxes.iter().map(|b| format!("{}: {}", column_words(b.column).0, b.kind)).collect();
     html! {
         h2 { "Errors (RMSE)" }
         p {
-            "Before: the preset. Refit: parameters fitted, model unchanged. After: the extended model. Noise: the error of a perfect \
-             model."
+            @match outcome.effects.is_empty() {
+                true => "Before: the preset. Fitted: parameters fitted, no effect added.",
+                false => "Before: the preset. Refit: parameters fitted, model unchanged. After: the extended model.",
+            }
+            " Noise: the error of a perfect model."
             @if !boxes.is_empty() {
                 " Black box: a model without physics, fitted to the same runs and simulated from the same inputs (" (list(&boxes, "and")) ")."
             }
         }
-        (table(&headers, outcome.errors.iter().map(row).collect()))
+        (models_table(outcome, &headers, outcome.errors.iter().map(row).collect()))
     }
 }
 
-fn effects(outcome: &Outcome, declaration: &Declaration) -> Markup {
+/// What there is of the models of the errors. Without an added effect, refit and after are one model, the fitted one.
+fn models<'a, T, const N: usize>(outcome: &Outcome, all: [(&'a str, T); N]) -> Vec<(&'a str, T)> {
+    let is_fitted = outcome.effects.is_empty();
+    let kept = all.into_iter().filter(|(name, _)| !(is_fitted && *name == "refit"));
+    kept.map(|(name, of)| (if is_fitted && name == "after" { "fitted" } else { name }, of)).collect()
+}
+
+/// A table with columns of these models.
+fn models_table(outcome: &Outcome, headers: &[&str], rows: Vec<Vec<Cell>>) -> Markup {
+    if !outcome.effects.is_empty() {
+        return table(headers, rows);
+    }
+    let is_kept = |k: usize| !headers[k].ends_with("refit");
+    let kept = headers.iter().filter(|header| !header.ends_with("refit"));
+    let names: Vec<String> = kept.map(|header| header.replace("after", "fitted")).collect();
+    let cells = |row: Vec<Cell>| {
+        row.into_iter().enumerate().filter(|(k, _)| is_kept(*k)).map(|(_, cell)| cell).collect()
+    };
+    table(&names.iter().map(String::as_str).collect::<Vec<_>>(), rows.into_iter().map(cells).collect())
+}
+
+fn effects(outcome: &Outcome, words: Words) -> Markup {
     html! {
         @if !outcome.effects.is_empty() { h2 { "Identified effects" } }
         @for effect in &outcome.effects {
@@ -198,7 +227,7 @@ fn effects(outcome: &Outcome, declaration: &Declaration) -> Markup {
                 @if !effect.magnitude.is_empty() { " It " (effect.magnitude) "." }
                 @if !effect.everywhere { " It acts in " (list(&effect.runs, "and")) " only." }
             }
-            (sizes(effect, declaration))
+            (sizes(effect, words))
             @if let Some(term) = &effect.term { p { "Law: " (law(term)) "." } }
             p { (support(effect)) }
             @if !effect.alternatives.is_empty() {
@@ -231,20 +260,15 @@ fn interval(ci95: (f64, f64)) -> Cell {
     }
 }
 
-/// A unit; a pure number has none.
-fn unit(name: &str) -> Cell {
-    if name == "1" { "".into() } else { name.into() }
-}
-
 /// The parameters of an effect with their meaning.
-fn sizes(effect: &Found, declaration: &Declaration) -> Markup {
+fn sizes(effect: &Found, words: Words) -> Markup {
     let row = |p: &calibrate::outcome::Estimate| {
         vec![
             Cell::Code(p.name.clone()),
-            meaning(&format!("effect.{}.{}", effect.id, p.name), declaration).into(),
+            words.meaning(&format!("effect.{}.{}", effect.id, p.name)).into(),
             Cell::number(p.value),
             interval(p.ci95),
-            unit(p.unit),
+            Cell::Unit(p.unit),
         ]
     };
     let headers = ["symbol", "meaning", "value", "95 % interval", "unit"];
@@ -284,7 +308,7 @@ fn unexplained(found: &Unexplained, experiment: &Experiment, outcome: &Outcome) 
 
 fn limits(outcome: &Outcome) -> Markup {
     let row = |l: &calibrate::outcome::Limit| {
-        vec![plain(&l.id).into(), Cell::Code(l.symbol.to_owned()), Cell::number(l.size), unit(l.unit)]
+        vec![plain(&l.id).into(), Cell::Code(l.symbol.to_owned()), Cell::number(l.size), Cell::Unit(l.unit)]
     };
     let what = match outcome.verdict {
         Verdict::Nothing => "No effect was found. An effect of at least this size would have been detected:",
@@ -301,7 +325,7 @@ fn limits(outcome: &Outcome) -> Markup {
 
 fn residuals(experiment: &Experiment, outcome: &Outcome) -> Markup {
     // The test runs first and open; the others can be opened.
-    let heading = |c: &Curves| format!("{} ({})", c.file, role_name(c.role));
+    let heading = |c: &Curves| format!("{} ({})", c.file, role_words(c.role));
     html! {
         h2 { "Residuals" }
         p {
@@ -312,7 +336,8 @@ fn residuals(experiment: &Experiment, outcome: &Outcome) -> Markup {
             @for curves in outcome.curves.iter().filter(|c| c.role == role) {
                 details open=[(role == Role::Test).then_some("")] {
                     summary { (heading(curves)) }
-                    (plates(&[figures::compared(curves, experiment)]))
+                    (plates(&[figures::compared(curves, experiment, outcome)]))
+                    (readings(curves, outcome))
                     (plates(&figures::residuals(curves, outcome)))
                 }
             }
@@ -320,13 +345,42 @@ fn residuals(experiment: &Experiment, outcome: &Outcome) -> Markup {
     }
 }
 
-fn candidates(outcome: &Outcome) -> Markup {
+/// The outputs of a run that have a few readings, which would be dots in empty figures.
+fn readings(curves: &Curves, outcome: &Outcome) -> Markup {
+    let sparse = curves.outputs.iter().filter(|c| figures::is_sparse(c));
+    let rows: Vec<Vec<Cell>> = sparse
+        .flat_map(|c| {
+            let error = outcome.errors.iter().find(|e| e.role == curves.role && e.column == c.column);
+            let of = move |k: usize| {
+                let residuals = [&c.before, &c.refit, &c.after].map(|model| c.measured[k] - model[k]);
+                let numbers = [curves.time[k], c.measured[k]].into_iter().chain(residuals);
+                let mut cells = vec![figures::with_unit(c.column).into()];
+                cells.extend(numbers.map(Cell::number));
+                cells.push(Cell::maybe(error.map(|e| e.floor)));
+                cells
+            };
+            (0..c.measured.len()).filter(|k| c.measured[*k].is_finite()).map(of)
+        })
+        .collect();
+    let headers = [
+        "output",
+        "time in s",
+        "measured",
+        "residual, before",
+        "residual, refit",
+        "residual, after",
+        "noise",
+    ];
+    html! { @if !rows.is_empty() { (models_table(outcome, &headers, rows)) } }
+}
+
+fn candidates(outcome: &Outcome, words: Words) -> Markup {
     let mut ranked: Vec<&Evidence> = outcome.candidate_table.iter().collect();
     ranked.sort_by(|a, b| a.round.cmp(&b.round).then(b.delta_bic_whitened.total_cmp(&a.delta_bic_whitened)));
     let row = |e: &Evidence| {
         vec![
+            words.text(&e.name).into(),
             Cell::Number(e.round.to_string()),
-            plain(&e.name).into(),
             plain(e.port.name()).into(),
             Cell::number(e.delta_bic),
             Cell::number(e.delta_bic_whitened),
@@ -334,12 +388,12 @@ fn candidates(outcome: &Outcome) -> Markup {
             Cell::number(e.probability),
             Cell::maybe(e.validation_ratio),
             if e.accepted { "accepted" } else { "rejected" }.into(),
-            plain(&e.reason).into(),
+            words.text(&e.reason).into(),
         ]
     };
     let headers = [
-        "round",
         "candidate",
+        "round",
         "port",
         "decrease of BIC",
         "the same, autocorrelated noise",
@@ -361,45 +415,40 @@ fn candidates(outcome: &Outcome) -> Markup {
     }
 }
 
-/// What a parameter is: the first clause of its description, which is followed by what switches it off.
-fn meaning<'a>(name: &str, declaration: &'a Declaration) -> &'a str {
-    declaration.by_name(name).map_or("", |e| e.row.doc.split(';').next().unwrap_or_default())
-}
-
-fn parameters(experiment: &Experiment, outcome: &Outcome, declaration: &Declaration) -> Markup {
+fn parameters(outcome: &Outcome, words: Words) -> Markup {
     let row = |p: &calibrate::outcome::Estimate| {
         let refit = outcome.refit.iter().find(|r| r.name == p.name).map(|r| r.value);
         vec![
-            meaning(&p.name, declaration).into(),
+            words.meaning(&p.name).into(),
             Cell::Code(p.name.clone()),
             Cell::number(p.prior),
             Cell::maybe(refit),
             Cell::number(p.value),
             interval(p.ci95),
-            unit(p.unit),
+            Cell::Unit(p.unit),
         ]
     };
     let own = |(file, p): &(String, calibrate::outcome::Estimate)| {
-        let cells = [file.as_str().into(), meaning(&p.name, declaration).into(), Cell::Code(p.name.clone())];
+        let cells = [words.meaning(&p.name).into(), Cell::Code(p.name.clone()), file.as_str().into()];
         cells
             .into_iter()
-            .chain([Cell::number(p.prior), Cell::number(p.value), interval(p.ci95), unit(p.unit)])
+            .chain([Cell::number(p.prior), Cell::number(p.value), interval(p.ci95), Cell::Unit(p.unit)])
             .collect()
     };
     let headers = ["parameter", "name", "preset", "refit", "after", "95 % interval", "unit"];
-    let of_run = ["run", "parameter", "name", "prior", "value", "95 % interval", "unit"];
+    let of_run = ["parameter", "name", "run", "prior", "value", "95 % interval", "unit"];
     let pairs: Vec<String> =
         outcome.correlated.iter().map(|(a, b, r)| format!("{a} with {b} ({})", number(*r))).collect();
     html! {
         @if !outcome.parameters.is_empty() {
             h2 { "Parameters" }
-            (table(&headers, outcome.parameters.iter().map(row).collect()))
+            (models_table(outcome, &headers, outcome.parameters.iter().map(row).collect()))
             @if !outcome.of_runs.is_empty() {
                 h3 { "Unknowns of single runs" }
                 (table(&of_run, outcome.of_runs.iter().map(own).collect()))
             }
-            @if !pairs.is_empty() { p { "Strongly correlated estimates, with their correlation: " (list(&pairs, "and")) "." } }
-            (plates(&[figures::forest(experiment, outcome, declaration)]))
+            @if !pairs.is_empty() { p { "Strongly correlated estimates, with their correlation: " (words.sentence(&list(&pairs, "and"))) "." } }
+            (plates(&[figures::forest(words, outcome)]))
         }
     }
 }
@@ -420,20 +469,20 @@ fn whiteness(outcome: &Outcome) -> Markup {
                 "Block means: their mean square relative to that of noise alone; 1 for white noise. Correlation of neighbouring rows: \
                  0 for white noise."
             }
-            (table(&headers, outcome.whiteness.iter().map(row).collect()))
+            (models_table(outcome, &headers, outcome.whiteness.iter().map(row).collect()))
         }
     }
 }
 
 fn exported(outcome: &Outcome, replay: &Replay) -> Markup {
     let row = |c: &calibrate::report::ReplayedChannel| {
-        let mut cells: Vec<Cell> = vec![c.standard.into(), channel(c.column).into()];
+        let mut cells: Vec<Cell> = vec![channel(c.column).into(), c.standard.into()];
         cells.extend([c.rmse, c.after, c.difference, c.difference_of_a_value].map(Cell::number));
         cells
     };
     let headers = [
-        "archive",
         "output",
+        "archive",
         "RMSE of the FMU",
         "RMSE of the model",
         "difference / range",

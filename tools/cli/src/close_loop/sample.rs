@@ -35,7 +35,7 @@ fn found(id: &str) -> Found {
         delta_bic_whitened: 80.0,
         delta_validation: Some(60.0),
         validation_ratio: Some(0.41),
-        magnitude: "changes at most voltage by 0.3 V".to_owned(),
+        magnitude: "changes voltage by at most 0.3 V".to_owned(),
     }
 }
 
@@ -163,7 +163,10 @@ pub fn outcome(verdict: Verdict) -> Outcome {
             errors: vec![(Role::Fit, 0.7)],
         }],
         is_cut: false,
-        notes: vec!["run-1.csv: housing_temperature_degC reads -40 degC and is set aside as dead".to_owned()],
+        notes: vec![
+            "run-1.csv: housing_temperature_degC reads -40 degC and is set aside as dead".to_owned(),
+            "iron_loss acts in some runs only; thermal.C_w = 5.00 J/K is at its limit".to_owned(),
+        ],
         seconds: 3.2,
     }
 }

@@ -1,7 +1,8 @@
 use super::*;
-use calibrate::experiment::Role;
-use calibrate::outcome::{Follows, Verdict};
+use calibrate::experiment::{Deviation, Role};
+use calibrate::outcome::Follows;
 use describe::{Driver, Factor, GenericTerm, Grid, Lag, Law, Port, Product};
+use present::check;
 use serde_json::{Value, json};
 
 const ALL: [Verdict; 4] = [Verdict::Named, Verdict::Class, Verdict::Unexplained, Verdict::Nothing];
@@ -83,7 +84,7 @@ fn residuals_are_a_table() {
 #[test]
 fn verdicts_are_sentences() {
     for (verdict, words) in ALL.iter().zip([
-        ["iron loss", "k = 9.5e-5 N.m.s^0.5", "run-1.csv only"],
+        ["iron loss", "k = 9.5e-5 N·m·s^0.5", "run-1.csv only"],
         ["one of iron loss or viscous friction", "do not distinguish", "iron loss"],
         ["the torque against the motion", "follows the speed", "not in the list"],
         ["no missing effect", "is detected", "other parameter values"],
@@ -160,9 +161,133 @@ fn a_class_excludes_effects_without_alternatives() {
 }
 
 fn page_of(verdict: Verdict) -> String {
-    let (outcome, replay) = (sample::outcome(verdict), sample::replay());
+    page_with(&sample::experiment(), &sample::outcome(verdict))
+}
+
+fn page_with(experiment: &Experiment, outcome: &Outcome) -> String {
     let declaration = (describe::models::by_name(outcome.model).unwrap().declaration)();
-    page::page(&sample::experiment(), &outcome, &replay, &outcome.notes, declaration, &sample::made_of())
+    page::page(experiment, outcome, &sample::replay(), &outcome.notes, declaration, &sample::made_of())
+}
+
+/// Keys are code, or words: in headings, sentences, tables and figures of every verdict, and where the data are unusable.
+#[test]
+fn a_page_has_no_raw_keys() {
+    let experiment = sample::experiment();
+    let why = Unusable {
+        channel: "voltage_V".to_owned(),
+        reason: "voltage_V in run-1.csv contradicts the model".to_owned(),
+        suggestion: "check unit and sign of voltage_V".to_owned(),
+    };
+    let declaration = (describe::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
+    let unusable = page::unusable(&experiment, &why, declaration, &sample::made_of());
+    for page in ALL.map(page_of).into_iter().chain([unusable]) {
+        for text in check::texts(&page).iter().filter(|text| *text != "residuals.csv") {
+            let key = text.split_whitespace().find(|word| check::is_key(word));
+            assert_eq!(key, None, "{text}");
+        }
+    }
+}
+
+/// Without an effect, one model is fitted and nothing is repaired: no column, line or sentence of a second one.
+#[test]
+fn a_fit_without_an_effect_is_no_repair() {
+    for verdict in [Verdict::Nothing, Verdict::Fitted] {
+        for text in check::texts(&page_of(verdict)) {
+            let lower = text.to_lowercase();
+            assert!(
+                !["refit", "repair", "after:", "extended"].iter().any(|word| lower.contains(word)),
+                "{text}"
+            );
+            assert!(lower.trim() != "after", "legend or header");
+        }
+    }
+    let named = page_of(Verdict::Named);
+    assert!(
+        ["<th class=\"n\">refit</th>", "After: the extended model"].iter().all(|part| named.contains(part))
+    );
+}
+
+/// A block of a table in a narrow window is headed by what the row is about, not by its round, role or archive.
+#[test]
+fn blocks_of_tables_have_headings() {
+    let page = page_of(Verdict::Named);
+    let heads: Vec<&str> = page.split("class=\"cards\"><thead><tr><th").skip(1).collect();
+    assert!(heads.len() >= 5, "{}", heads.len());
+    for head in heads {
+        let first = head.split(['>', '<']).nth(1).unwrap();
+        assert!(["output", "candidate", "parameter", "channel", "symbol"].contains(&first), "{first}");
+    }
+}
+
+/// A run with one reading has a row with it in place of figures with one dot.
+#[test]
+fn few_readings_are_a_table() {
+    let mut outcome = sample::outcome(Verdict::Named);
+    for curves in &mut outcome.curves {
+        curves.outputs[0].measured[..299].fill(f64::NAN);
+    }
+    let page = page_with(&sample::experiment(), &outcome);
+    assert!(
+        !page.contains("voltage, without the preset")
+            && page.contains("winding temperature, without the preset")
+    );
+    let row = page
+        .split("<td data-label=\"output\">voltage in V</td><td class=\"n\" data-label=\"time in s\">")
+        .nth(1);
+    assert!(row.is_some_and(|row| row.starts_with("2990<")), "{row:?}");
+    // Over the time of the only reading of each run there is nothing to see.
+    for curve in outcome.curves.iter_mut().flat_map(|c| &mut c.outputs) {
+        curve.measured[..299].fill(f64::NAN);
+    }
+    assert!(!page_with(&sample::experiment(), &outcome).contains("over time"));
+}
+
+/// A prior that is many times as wide as its value hides no other parameter.
+#[test]
+fn changes_of_parameters_are_comparable() {
+    let mut experiment = sample::experiment();
+    experiment.priors[1].deviation = Deviation::Relative(3000.0);
+    let page = page_with(&experiment, &sample::outcome(Verdict::Named));
+    let figure =
+        page.split("aria-label=\"Change of the parameters").nth(1).unwrap().split("</svg>").next().unwrap();
+    // The refit of motor.R_ref is 1.4 standard deviations of its prior away from the preset.
+    assert!(figure.contains(">\u{2212}2<") && figure.contains(">2<") && !figure.contains(">4<"), "{figure}");
+}
+
+/// The sentence of the verdict and the next experiment are about one error.
+#[test]
+fn the_next_experiment_names_the_error_of_the_verdict() {
+    let mut outcome = sample::outcome(Verdict::Nothing);
+    for e in &mut outcome.errors {
+        e.after = if e.role == Role::Test { 6.0 } else { 9.0 } * e.floor;
+    }
+    let page = page_with(&sample::experiment(), &outcome);
+    assert_eq!(
+        page.matches("on the test data is 6 times the noise").count(),
+        2,
+        "verdict and next experiment"
+    );
+    assert!(!page.contains("is 9 times"));
+}
+
+/// A constant column shows no noise; its lower limit for the numerics is none.
+#[test]
+fn constant_columns_have_no_noise() {
+    let page = page_of(Verdict::Named);
+    let row = page.split("data-label=\"channel\">ambient temperature in K</td>").nth(1).unwrap();
+    assert!(
+        row.starts_with(
+            "<td class=\"n\" data-label=\"standard deviation\"></td><td data-label=\"origin\">constant"
+        ),
+        "{row}"
+    );
+}
+
+/// Each number of an unlisted law has a meaning.
+#[test]
+fn numbers_of_a_law_are_described() {
+    let page = page_of(Verdict::Unexplained);
+    assert!(page.contains("<code>exponent</code></td><td data-label=\"meaning\">Power of the driver</td>"));
 }
 
 /// One file without network references that contains all parts of its verdict.
@@ -171,7 +296,7 @@ fn a_page_is_complete_in_itself() {
     for (verdict, words) in ALL.iter().zip([
         ["Identified effects", "Experiment that distinguishes them", "9.1e-5 ... 9.9e-5"],
         ["one of iron loss or viscous friction", "explained equally well by", "Probability"],
-        ["Law: drag torque = 0.002 N.m · (speed / 500)^0.75", "was added to the model", "At most 0.14 W"],
+        ["Law: drag torque = 0.002 N·m · (speed / 500)^0.75", "was added to the model", "At most 0.14 W"],
         ["Detection limits", "2e-6", "predicts the runs to the noise"],
     ]) {
         let page = page_of(*verdict);
@@ -179,7 +304,7 @@ fn a_page_is_complete_in_itself() {
             "bench &lt;17&gt;",
             "Location of the residual",
             "iron loss explains the same",
-            "thermal.C_w with thermal.R_wh",
+            "(<code>thermal.C_w</code>) with thermal resistance",
             "Whiteness of the residuals",
             "fmi3/AnnulusCooledMotor.fmu",
             "set aside as dead",
@@ -201,7 +326,7 @@ fn a_page_is_complete_in_itself() {
         ]) {
             assert!(page.to_lowercase().contains(&word.to_lowercase()), "{}: {word}", verdict.name());
         }
-        assert_eq!(present::check::faults(&page), Vec::<String>::new(), "{}", verdict.name());
+        assert_eq!(check::faults(&page), Vec::<String>::new(), "{}", verdict.name());
         assert!(!page.contains("<script") && !page.contains("inf "), "{}", verdict.name());
         if let Ok(folder) = std::env::var("PAGES") {
             std::fs::write(Path::new(&folder).join(format!("{}.html", verdict.name())), &page).unwrap();

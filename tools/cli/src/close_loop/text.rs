@@ -1,8 +1,9 @@
 //! Verdict, effects and replay of closing the loop, as text.
 
-use calibrate::experiment::{Channel, Experiment, Role};
-use calibrate::outcome::{Follows, Found, Outcome, Verdict};
-use calibrate::report::{Replay, driver_unit};
+use calibrate::experiment::{Experiment, Role};
+use calibrate::outcome::{ChannelError, Follows, Found, Outcome, Verdict};
+pub use calibrate::report::words as plain;
+use calibrate::report::{Replay, column_words, driver_unit, role_words};
 use describe::{Driver, Factor, GenericTerm, Lag, Law, ModelType, Port, Resources, StartValues, usage};
 pub use present::number;
 
@@ -61,11 +62,6 @@ pub fn attached(driver: Driver) -> String {
     format!("a mass that is attached to the {}", plain(driver.name()).replace(" temperature", ""))
 }
 
-/// An id as words: `iron_loss` is iron loss.
-pub fn plain(id: &str) -> String {
-    id.replace('_', " ")
-}
-
 /// A list with a last word before its last item.
 pub fn list(items: &[String], last: &str) -> String {
     match items {
@@ -77,7 +73,7 @@ pub fn list(items: &[String], last: &str) -> String {
 
 /// A value with its unit; a pure number has none.
 pub fn with_unit(value: f64, unit: &str) -> String {
-    if unit == "1" { number(value) } else { format!("{} {unit}", number(value)) }
+    format!("{} {}", number(value), present::unit(unit)).trim_end().to_owned()
 }
 
 /// A term's law: an equation, a table or a grid, and its lag.
@@ -182,10 +178,11 @@ pub fn found(effect: &Found) -> String {
 /// The verdict in one sentence, and a second one if a large deviation remains in the fit runs of a repaired model.
 pub fn verdict(outcome: &Outcome) -> String {
     let sentence = lacks(outcome);
-    let is_repaired = matches!(outcome.verdict, Verdict::Named | Verdict::Class | Verdict::Unexplained);
-    match is_repaired.then(|| unexplained_error(outcome, Role::Fit)).flatten() {
+    let is_found = matches!(outcome.verdict, Verdict::Named | Verdict::Class | Verdict::Unexplained);
+    let model = if outcome.effects.is_empty() { "fitted" } else { "repaired" };
+    match is_found.then(|| unexplained_error(outcome, Role::Fit)).flatten() {
         Some(error) => format!(
-            "{sentence} The repaired model does not explain all of it: {error}. Another effect or a mistake in the data remains."
+            "{sentence} The {model} model does not explain all of it: {error}. Another effect or a mistake in the data remains."
         ),
         None => sentence,
     }
@@ -262,8 +259,18 @@ fn nothing(outcome: &Outcome) -> String {
 
 /// What the parameters do not explain of the data that were not fitted: of the test runs, else of the validation runs.
 fn left(outcome: &Outcome) -> Option<String> {
+    unexplained_error(outcome, unfitted(outcome))
+}
+
+/// The role whose runs show what the model is worth.
+pub fn unfitted(outcome: &Outcome) -> Role {
     let is_tested = outcome.errors.iter().any(|e| e.role == Role::Test && e.floor > 0.0);
-    unexplained_error(outcome, if is_tested { Role::Test } else { Role::Validate })
+    if is_tested { Role::Test } else { Role::Validate }
+}
+
+/// The error of a channel in the runs of a role.
+pub fn error_of(e: &ChannelError) -> String {
+    format!("the error of {} on the {} data", column_words(e.column).0, role_words(e.role))
 }
 
 /// The greatest error of the final model relative to the noise, if it is above [`EXPLAINED`] and the error of good instruments.
@@ -271,12 +278,7 @@ fn unexplained_error(outcome: &Outcome, role: Role) -> Option<String> {
     let of = outcome.errors.iter().filter(|e| e.role == role && e.floor > 0.0 && e.after > e.instruments);
     let ratios = of.map(|e| (e, e.after / e.floor)).filter(|(_, ratio)| *ratio > EXPLAINED);
     let (e, ratio) = ratios.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(format!(
-        "the error of {} on the {} data is {} times the noise",
-        Channel::of(e.column).map_or_else(|| plain(e.column), |c| plain(c.quantity())),
-        calibrate::report::role_name(role),
-        number(ratio)
-    ))
+    Some(format!("{} is {} times the noise", error_of(e), number(ratio)))
 }
 
 /// The sentence on what no listed effect explains.
@@ -310,7 +312,7 @@ pub fn parameters(outcome: &Outcome) -> String {
         format!("\n{:32} {:>12} {:>12} {:12} 95 % interval\n", "parameter", "before", "after", "unit");
     for p in &outcome.parameters {
         let [before, after, low, high] = [p.prior, p.value, p.ci95.0, p.ci95.1].map(number);
-        let unit = if p.unit == "1" { "" } else { p.unit };
+        let unit = present::unit(p.unit);
         text += &format!("{:32} {before:>12} {after:>12} {unit:12} {low} ... {high}\n", p.name);
     }
     text
@@ -340,7 +342,7 @@ pub fn replay(replay: &Replay) -> String {
         list(&replay.replayed, "and"),
         replay.role,
         number(replay.greatest_difference),
-        worst.column,
+        column_words(worst.column).0,
         worst.standard,
         replay.limit
     )

@@ -11,14 +11,22 @@ pub(super) const PAD: f64 = 12.0;
 /// Height of a line of text, and from the middle of a letter to its baseline.
 pub(super) const LINE: f64 = 18.0;
 pub(super) const BASELINE: f64 = 4.5;
-/// Width of a letter at 13, generously: the true font is not known here.
+/// Width of a letter at 13, generously: the true font is not known here. Digits, which fill tick labels, and the minus sign are as wide as
+/// in DejaVu Sans, the widest of the usual fonts.
 const LETTER: f64 = 7.4;
+const DIGIT: f64 = 8.3;
+const MINUS: f64 = 11.0;
 /// Width of a legend's swatch with its gap.
 const SWATCH: f64 = 24.0;
 
 /// The width that a text is given.
 pub(super) fn width(text: &str) -> f64 {
-    LETTER * text.chars().count() as f64
+    let of = |c: char| match c {
+        '\u{2212}' => MINUS,
+        '0'..='9' => DIGIT,
+        _ => LETTER,
+    };
+    text.chars().map(of).sum()
 }
 
 /// Letters after which a long word is broken.
@@ -26,19 +34,21 @@ pub(super) const BREAKS: [char; 4] = ['-', '_', '.', '/'];
 
 /// A text in lines of at most this width, broken at spaces; within a word that is longer than a line after one of [`BREAKS`], or anywhere.
 pub(super) fn wrap(text: &str, room: f64) -> Vec<String> {
-    let most = ((room / LETTER) as usize).max(6);
+    let room = room.max(width("letter"));
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {
-        let mut rest: Vec<char> = word.chars().collect();
         match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + rest.len() <= most => {
+            Some(line) if width(line) + width(" ") + width(word) <= room => {
                 *line += " ";
-                line.extend(rest);
+                *line += word;
                 continue;
             }
             _ => {}
         }
-        while rest.len() > most {
+        let mut rest: Vec<char> = word.chars().collect();
+        while width(&rest.iter().collect::<String>()) > room {
+            let most = (1..rest.len()).rev().find(|k| width(&rest[..*k].iter().collect::<String>()) <= room);
+            let most = most.unwrap_or(1);
             let end = rest[..most].iter().rposition(|c| BREAKS.contains(c)).map_or(most, |k| k + 1);
             lines.push(rest.drain(..end).collect());
         }
@@ -129,6 +139,7 @@ pub(super) fn frame(title: &str, content: Markup, height: f64) -> String {
 pub(super) enum Swatch {
     Line(Option<&'static str>),
     Point,
+    Ring,
     Area,
 }
 
@@ -145,6 +156,7 @@ pub(super) fn legend(entries: Vec<(&str, usize, Swatch)>) -> (Markup, f64) {
             @match swatch {
                 Swatch::Line(dash) => { path class={ "l k" (colour) } stroke-dasharray=[*dash] d=(format_args!("M{x:.1} {middle:.1}h18")) {} },
                 Swatch::Point => { circle class={ "p d" (colour) } cx=(format_args!("{:.1}", x + 9.0)) cy=(middle) r="4" {} },
+                Swatch::Ring => { circle class={ "k k" (colour) } cx=(format_args!("{:.1}", x + 9.0)) cy=(middle) r="4" {} },
                 Swatch::Area => { rect class={ "w d" (colour) } x=(format_args!("{x:.1}")) y=(middle - 5.0) width="18" height="10" {} },
             }
             @for (k, line) in lines.iter().enumerate() {
@@ -307,6 +319,16 @@ mod tests {
         assert_eq!(ticks(0.0, 2e-5, 6).with_power("flow in m³/s"), "flow in m³/s × 10⁻⁶");
         assert_eq!(ticks(1.13008, 1.13022, 3).with_power("torque"), "torque = 1.130 + value × 10⁻⁶");
         assert_eq!(ticks(1e5, 1.0001e5, 6).with_power("time in s"), "time in s = 100000 + value");
+    }
+
+    /// Advance widths of DejaVu Sans, in which a label that is too narrow is cut at the frame: 0.636 of 13 for a digit, 0.838 for a minus.
+    #[test]
+    fn tick_labels_have_room_in_the_widest_font() {
+        for (label, true_width) in
+            [("17000", 5.0 * 0.636 * 13.0), ("\u{2212}2000", (0.838 + 4.0 * 0.636) * 13.0)]
+        {
+            assert!(width(label) >= true_width, "{label}: {} < {true_width}", width(label));
+        }
     }
 
     #[test]

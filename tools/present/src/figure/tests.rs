@@ -37,6 +37,27 @@ fn a_line_is_interrupted_where_it_has_no_value() {
     assert_eq!(path(&svg, "l k0", 0).matches('M').count(), 2);
 }
 
+/// A legend entry without a mark in the figure would be looked for in vain.
+#[test]
+fn a_series_without_a_value_is_in_no_legend() {
+    let nan = f64::NAN;
+    let svg = parsed(
+        &figure()
+            .line("drawn", vec![(0.0, 1.0), (1.0, 2.0)])
+            .line("empty", vec![(0.0, nan)])
+            .points("none", vec![]),
+    );
+    assert!(svg.contains("drawn") && !svg.contains("empty") && !svg.contains("none<"), "{svg}");
+}
+
+/// Rings leave the points below them visible.
+#[test]
+fn rings_are_not_filled() {
+    let svg = parsed(&figure().points("p", vec![(0.0, 1.0), (1.0, 2.0)]).rings("r", vec![(0.5, 1.5)]));
+    assert_eq!(svg.matches("<circle class=\"k k1\"").count(), 2, "ring and legend: {svg}");
+    assert!(svg.contains(".f .k,.f .l{fill:none}"));
+}
+
 /// A logger that writes each sensor at its own times leaves one reading between blank cells: no line could show it.
 #[test]
 fn a_value_between_gaps_is_a_point() {

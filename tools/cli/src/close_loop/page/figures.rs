@@ -1,28 +1,36 @@
 //! The figures of the page.
 
 use super::super::text::{self, number, plain};
-use super::{meaning, port};
+use super::words::Words;
+use super::{models, port};
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Curve, Curves, Outcome, Unexplained};
 use calibrate::report::{column_words, driver_unit};
-use describe::{Declaration, Grid, Law};
+use describe::{Grid, Law};
 use present::figure::{Axis, Figure, Mark, Row, Rows};
 use present::page::Plate;
+use std::collections::HashSet;
 
 /// 95 % of a normal distribution lie within this many standard deviations.
 const WITHIN_95: f64 = 1.96;
 
 /// Measured and predicted outputs of a run over time, with the inputs that change below them.
-pub fn compared(curves: &Curves, experiment: &Experiment) -> Plate {
-    let mut figure = Figure::stacked("Measured and predicted", Axis::new("time in s")).thin();
+pub fn compared(curves: &Curves, experiment: &Experiment, outcome: &Outcome) -> Plate {
+    let mut time = Axis::new("time in s");
+    if let (true, [from, .., to]) = (curves.outputs.iter().any(is_sparse), &curves.time[..]) {
+        // A point at the end of the run would lie half outside the frame.
+        time = time.from_to(*from, to + 0.02 * (to - from));
+    }
+    let mut figure = Figure::stacked("Measured and predicted", time).thin();
     let points = |values: &[f64]| curves.time.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
     for curve in &curves.outputs {
-        figure = figure.panel(Axis::new(&with_unit(curve.column)));
-        figure = figure
-            .colour(0)
-            .line("measured", points(&curve.measured))
-            .colour(1)
-            .line("after", points(&curve.after));
+        figure = figure.panel(Axis::new(&with_unit(curve.column))).colour(0);
+        // Few readings would not be seen as a line.
+        figure = match is_sparse(curve) {
+            true => figure.points("measured", points(&curve.measured)),
+            false => figure.line("measured", points(&curve.measured)),
+        };
+        figure = figure.colour(1).line(last_model(outcome), points(&curve.after));
     }
     let mut inputs = "";
     if let Some(run) = run_of(curves, experiment) {
@@ -38,8 +46,24 @@ pub fn compared(curves: &Curves, experiment: &Experiment) -> Plate {
     Plate::new(
         "compared",
         windowed(figure, curves),
-        format!("Outputs: measured and predicted by the model after the repair.{inputs}"),
+        format!(
+            "Outputs: measured and predicted by the {} model.{inputs}",
+            if outcome.effects.is_empty() { "fitted" } else { "extended" }
+        ),
     )
+}
+
+/// Fewer readings than this are a table, not a line.
+const FEW: usize = 5;
+
+/// Whether an output of a run has a few readings only.
+pub fn is_sparse(curve: &Curve) -> bool {
+    curve.measured.iter().filter(|x| x.is_finite()).count() < FEW
+}
+
+/// The name of the final model in legends.
+fn last_model(outcome: &Outcome) -> &'static str {
+    models(outcome, [("after", ())])[0].0
 }
 
 /// The run of the experiment that curves are of.
@@ -77,11 +101,6 @@ pub fn over_drivers(experiment: &Experiment, outcome: &Outcome) -> Vec<Plate> {
     drivers.push(("time in s".to_owned(), outcome.curves.iter().map(|c| c.time.clone()).collect()));
     let mut all = Vec::new();
     for (label, values) in drivers {
-        let finite = || values.iter().flatten().copied().filter(|x| x.is_finite());
-        let span = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
-        if span.is_nan() || span <= 0.0 {
-            continue;
-        }
         let (mut left, mut law) = (Vec::new(), Vec::new());
         for (curves, x) in outcome.curves.iter().zip(&values) {
             let Some(curve) = curves.outputs.iter().find(|c| c.column == worst) else { continue };
@@ -89,30 +108,50 @@ pub fn over_drivers(experiment: &Experiment, outcome: &Outcome) -> Vec<Plate> {
                 let (y, after) =
                     (curve.measured[row] - curve.refit[row], curve.after[row] - curve.refit[row]);
                 left.extend(y.is_finite().then_some((*x, y)));
-                law.extend(after.is_finite().then_some((*x, after)));
+                law.extend((y + after).is_finite().then_some((*x, after)));
             }
         }
-        if left.is_empty() {
+        // A driver with one value at all readings shows nothing.
+        if left.iter().all(|p| p.0 == left[0].0) {
             continue;
         }
         let title = format!("{name} over {}", label.split(" in ").next().unwrap_or(&label));
-        let y = format!("measured − refit in {unit}");
+        let model = if outcome.effects.is_empty() { "fitted model" } else { "refit" };
+        let y = format!("measured − {model} in {unit}");
         let mut figure = Figure::new(&title, Axis::new(&label), Axis::new(&y)).thin();
-        figure = figure.colour(0).points("residual of the refit", left);
+        figure = figure.colour(0).points(&format!("residual of the {model}"), left);
         if !outcome.effects.is_empty() {
-            figure = figure.colour(1).points("law found (after − refit)", law);
+            figure = figure.colour(1).rings("law found (after − refit)", apart(law));
         }
         all.push(Plate::new(
             "over-driver",
             figure,
-            format!("Residual of the refit in all runs over {label}."),
+            format!("Residual of the {model} in all runs over {label}."),
         ));
     }
     all
 }
 
+/// One point of those that would lie over each other.
+fn apart(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    /// Cells of the figure across and upwards, each as large as a ring.
+    const CELLS: [f64; 2] = [50.0, 25.0];
+    let range = |of: fn(&(f64, f64)) -> f64| {
+        let ends = points.iter().map(of).fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
+        (ends.0, (ends.1 - ends.0).max(f64::MIN_POSITIVE))
+    };
+    let (x, y) = (range(|p| p.0), range(|p| p.1));
+    let mut known = HashSet::new();
+    points.retain(|p| {
+        let cell =
+            |value: f64, (least, span): (f64, f64), count: f64| (count * (value - least) / span) as u32;
+        known.insert((cell(p.0, x, CELLS[0]), cell(p.1, y, CELLS[1])))
+    });
+    points
+}
+
 /// A column in words with its unit; a temperature in degC.
-fn with_unit(column: &str) -> String {
+pub fn with_unit(column: &str) -> String {
     let (name, unit) = column_words(column);
     let unit = if column.ends_with("_degC") { "°C" } else { unit };
     if unit.is_empty() { name } else { format!("{name} in {unit}") }
@@ -121,7 +160,7 @@ fn with_unit(column: &str) -> String {
 /// Measured less model over time, for every output: with the preset, and once more without.
 pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
     let mut all = Vec::new();
-    for curve in &curves.outputs {
+    for curve in curves.outputs.iter().filter(|c| !is_sparse(c)) {
         let (name, unit) = column_words(curve.column);
         let error = outcome.errors.iter().find(|e| e.role == curves.role && e.column == curve.column);
         let noise = error.map_or(f64::NAN, |e| e.floor);
@@ -131,27 +170,28 @@ pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
             windowed(figure.thin(), curves)
         };
         let left = |model: &[f64]| residual(curves, curve, model);
-        let (before, refit, after) = (left(&curve.before), left(&curve.refit), left(&curve.after));
-        let sizes = |list: &[(&str, &Vec<(f64, f64)>)]| {
+        // Each with its colour, which is the same in both figures.
+        let all_models =
+            [("before", (0, &curve.before)), ("refit", (1, &curve.refit)), ("after", (2, &curve.after))];
+        let of_models: Vec<_> = models(outcome, all_models)
+            .into_iter()
+            .map(|(word, (colour, model))| (word, colour, left(model)))
+            .collect();
+        let sizes = |list: &[(&str, usize, Vec<(f64, f64)>)]| {
             let list: Vec<String> =
-                list.iter().map(|(word, r)| format!("{} {word}", number(size(r)))).collect();
+                list.iter().map(|(word, _, r)| format!("{} {word}", number(size(r)))).collect();
             format!("Greatest residual in {unit}: {}. Noise: {} {unit}.", list.join(", "), number(noise))
         };
-        all.push(Plate::new(
-            "residual",
-            figure(&name)
-                .line("before", before.clone())
-                .line("refit", refit.clone())
-                .line("after", after.clone()),
-            sizes(&[("before", &before), ("refit", &refit), ("after", &after)]),
-        ));
+        let lines = |figure: Figure, list: &[(&str, usize, Vec<(f64, f64)>)]| {
+            list.iter().fold(figure, |f, (word, colour, r)| f.colour(*colour).line(word, r.clone()))
+        };
+        all.push(Plate::new("residual", lines(figure(&name), &of_models), sizes(&of_models)));
         let zero: Vec<(f64, f64)> =
             [curves.time.first(), curves.time.last()].into_iter().flatten().map(|t| (*t, 0.0)).collect();
-        let caption = sizes(&[("refit", &refit), ("after", &after)]);
-        // The colours are those of the figure beside it; the band is grey.
+        // The band is grey.
         let near = figure(&format!("{name}, without the preset")).colour(4);
-        let near = near.band("noise, 95 %", zero, vec![WITHIN_95 * noise; 2]).colour(1);
-        all.push(Plate::new("residual", near.line("refit", refit).line("after", after), caption));
+        let near = near.band("noise, 95 %", zero, vec![WITHIN_95 * noise; 2]);
+        all.push(Plate::new("residual", lines(near, &of_models[1..]), sizes(&of_models[1..])));
     }
     all
 }
@@ -202,37 +242,34 @@ pub fn localised(outcome: &Outcome) -> Plate {
     Plate::new("localised", figure, "Each port with the driver that correlates best with its input.")
 }
 
-/// Parameters as their change from the preset, and the interval of the prior.
-pub fn forest(experiment: &Experiment, outcome: &Outcome, declaration: &Declaration) -> Plate {
+/// Parameters as their change from the preset in standard deviations of their priors, which are comparable however wide a prior is.
+pub fn forest(words: Words, outcome: &Outcome) -> Plate {
     let row = |p: &calibrate::outcome::Estimate| {
-        let change = |value: f64| 100.0 * (value / p.prior - 1.0);
+        let prior = words.experiment.priors.iter().find(|q| q.name == p.name)?;
+        let nominal = words.declaration.by_name(&p.name).map_or(f64::NAN, |entry| entry.row.nominal);
+        let change = |value: f64| (value - p.prior) / prior.deviation.of(p.prior, nominal);
         let interval = |(a, b): (f64, f64)| {
             let (a, b) = (change(a), change(b));
             (a.min(b), a.max(b))
         };
-        let mut marks = Vec::new();
-        if let Some(prior) = experiment.priors.iter().find(|q| q.name == p.name) {
-            // Priors around zero are not in the figure, so that a nominal value is not needed.
-            let half = 100.0 * WITHIN_95 * prior.deviation.of(p.prior, f64::NAN) / p.prior.abs();
-            marks.push((2, Mark::Span(-half, half)));
-        }
-        if let Some(refit) = outcome.refit.iter().find(|r| r.name == p.name) {
+        let mut marks = vec![(2, Mark::Span(-WITHIN_95, WITHIN_95))];
+        let refit = outcome.refit.iter().find(|r| r.name == p.name && !outcome.effects.is_empty());
+        if let Some(refit) = refit {
             marks.push((1, Mark::Point(change(refit.value), interval(refit.ci95))));
         }
         marks.push((0, Mark::Point(change(p.value), interval(p.ci95))));
-        Row { name: format!("{} ({})", meaning(&p.name, declaration), p.name).trim_start().to_owned(), marks }
+        Some(Row { name: format!("{} ({})", words.meaning(&p.name), p.name).trim_start().to_owned(), marks })
     };
-    let known = outcome.parameters.iter().filter(|p| p.prior != 0.0);
     let figure = Rows::new(
         "Change of the parameters from the preset",
-        "change in %",
-        &["after", "refit", "prior"],
-        known.map(row).collect(),
+        "change in standard deviations of the prior",
+        &[last_model(outcome), if outcome.effects.is_empty() { "" } else { "refit" }, "prior"],
+        outcome.parameters.iter().filter_map(row).collect(),
     );
     Plate::new(
         "parameters",
         figure,
-        "95 % intervals. A refit outside the prior indicates an effect that the model lacks.",
+        "95 % intervals. A parameter outside its prior after the fit indicates an effect that the model lacks.",
     )
 }
 
@@ -248,8 +285,8 @@ pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
         Some(driver) => format!("{} in {}", plain(driver.name()), driver_unit(driver)),
         None => "time in s".to_owned(),
     };
-    let unit = found.port.unit().name().replace('.', "·");
-    let value = if unit == "1" { "relative change".to_owned() } else { format!("value in {unit}") };
+    let unit = present::unit(found.port.unit().name());
+    let value = if unit.is_empty() { "relative change".to_owned() } else { format!("value in {unit}") };
     let title = plain(found.port.name());
     let figure = Figure::new(&title, Axis::new(&follows), Axis::new(&value))
         .band("95 %", y.clone(), x)

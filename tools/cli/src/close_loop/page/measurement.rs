@@ -1,14 +1,15 @@
 //! What the data are worth: noise and drift, power of what was found, and the next experiment.
 
-use super::super::text::{list, number, plain};
-use super::channel;
+use super::super::text::{error_of, list, number, plain, unfitted};
+use super::{channel, models_table};
 use calibrate::experiment::{Channel, Experiment};
 use calibrate::noise;
-use calibrate::outcome::{Follows, Found, Outcome, Unexplained, Verdict};
+use calibrate::outcome::{ChannelError, Follows, Found, Outcome, Unexplained, Verdict};
 use calibrate::report::column_words;
 use describe::{Driver, Port};
 use maud::{Markup, html};
-use present::page::{Cell, table};
+use present::page::Cell;
+use std::cmp::Ordering;
 
 /// A driver spans too little to show what follows it, in deviations of its noise.
 const SPANS: f64 = 20.0;
@@ -20,11 +21,17 @@ pub fn noises(experiment: &Experiment, outcome: &Outcome) -> Markup {
     let channels: Vec<&Channel> = experiment.inputs.iter().chain(&experiment.outputs).copied().collect();
     let sizes = noise::of_experiment(experiment);
     let rows = channels.iter().zip(sizes).map(|(c, size)| {
-        let origin = if experiment.noise.contains_key(c.column) { "stated" } else { "estimated" };
+        let is_constant = range(experiment, |other| other.column == c.column).is_some_and(|r| r.1 == r.2);
+        let origin = match experiment.noise.contains_key(c.column) {
+            true => "stated",
+            false if is_constant => "constant",
+            false => "estimated",
+        };
         let white = outcome.whiteness.iter().find(|w| w.column == c.column);
         vec![
             channel(c.column).into(),
-            Cell::number(size),
+            // The noise that a constant column is given for the numerics says nothing about its sensor.
+            Cell::maybe((origin != "constant").then_some(size)),
             origin.into(),
             Cell::maybe(white.map(|w| w.autocorrelation.1)),
             Cell::maybe(white.map(|w| w.blocks_after)),
@@ -37,7 +44,7 @@ pub fn noises(experiment: &Experiment, outcome: &Outcome) -> Markup {
             "Noise of each channel as used. Drift: mean square of block means of the residual relative to that of the noise alone; 1 without \
              drift."
         }
-        (table(&headers, rows.collect()))
+        (models_table(outcome, &headers, rows.collect()))
     }
 }
 
@@ -188,12 +195,16 @@ pub fn next(experiment: &Experiment, outcome: &Outcome) -> Vec<String> {
             .errors
             .iter()
             .filter(|e| e.after > ABOVE_NOISE * e.floor)
-            .max_by(|a, b| (a.after / a.floor).total_cmp(&(b.after / b.floor)));
+            // First of the runs of the verdict, so that both name one error.
+            .max_by(|a, b| {
+                let rank = |e: &ChannelError| (e.role == unfitted(outcome), e.after / e.floor);
+                rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal)
+            });
         all.push(match worst {
             Some(e) => format!(
-                "{} is {} times its noise: a run with steps of one input at a time, each held for three time constants, shows which input it \
+                "{} is {} times the noise: a run with steps of one input at a time, each held for three time constants, shows which input it \
                  follows; a second sensor on the same part shows whether the sensor is the cause.",
-                super::capital(&column_words(e.column).0),
+                super::capital(&error_of(e)),
                 number(e.after / e.floor)
             ),
             None => "The model predicts the runs to the noise. Runs of twice the length lower the detection limits by a factor of \
