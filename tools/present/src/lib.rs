@@ -7,6 +7,7 @@
 pub mod check;
 pub mod figure;
 pub mod page;
+pub mod words;
 
 pub(crate) struct Palette {
     pub ink: &'static str,
