@@ -69,10 +69,10 @@ impl Plate {
     }
 }
 
-/// An SVG for light paper from elsewhere with its caption. Its prologue is left out; it scrolls in a narrow window.
+/// An SVG for light paper from elsewhere with its caption. Its prologue is left out.
 pub fn picture(svg: &str, caption: &str) -> Option<Markup> {
     let svg = &svg[svg.find("<svg")?..];
-    Some(html! { figure.picture { div tabindex="0" { (PreEscaped(svg)) } figcaption { (caption) } } })
+    Some(html! { figure.picture { (PreEscaped(svg)) figcaption { (caption) } } })
 }
 
 /// Figures side by side where there is room.
@@ -127,7 +127,8 @@ pub fn labelled_table(id: &str, headers: &[&str], rows: Vec<(&str, Vec<Cell>)>) 
                     @for (cell, header) in cells.iter().zip(headers) {
                         @match cell {
                             Cell::Text(text) => td class=[(text.chars().count() > 60).then_some("w")] data-label=(header) { (text) },
-                            Cell::Number(text) => td.n data-label=(header) { (text) },
+                            // Several numbers in a cell may stand below each other.
+                            Cell::Number(text) => td.n.m[text.contains(", ")] data-label=(header) { (text) },
                             Cell::Code(text) => td data-label=(header) { @if !text.is_empty() { code { (text) } } },
                         }
                     }
@@ -150,7 +151,7 @@ mod tests {
             (plates(&[Plate::new("power", figure.line("a & b", vec![(0.0, 1.0)]), "The <power>.")]))
             (table(&["name", "value"], vec![vec![Cell::Code("motor.R_ref".into()), Cell::number(0.386)], vec![
                 "\"quoted\"".into(),
-                Cell::maybe(None),
+                Cell::Number("15 min, 45 %".to_owned()),
             ]]))
             (picture("<?xml version=\"1.0\"?><svg aria-label=\"walk\"></svg>", "A walk").unwrap())
         };
@@ -159,6 +160,8 @@ mod tests {
         for text in ["<h1>A &amp; B &lt; C</h1>", "The &lt;power&gt;.", "a &amp; b", "&quot;quoted&quot;"] {
             assert!(page.contains(text), "{text}: {page}");
         }
+        // Several numbers in a cell may stand below each other.
+        assert!(page.contains("<td class=\"n m\" data-label=\"value\">15 min, 45 %<"), "{page}");
         assert!(!page.contains("<?xml") && picture("png", "").is_none());
     }
 }
