@@ -184,26 +184,27 @@ def front(designs: dict) -> list[str]:
 
 def figure(answer: dict, path: Path):
     """Continuous torque over mass: every design, the best of each arrangement, and the front."""
-    from clients.figure import CURVES, GREY, STYLE, plt
+    from clients.figure import CURVES, GREY, STYLE, WIDTH, plt, wrapped
 
     with plt.rc_context(STYLE):
-        canvas, panel = plt.subplots(figsize=(8.0, 4.6), layout="constrained")
+        canvas, panel = plt.subplots(figsize=(WIDTH, 6.2), layout="constrained")
         for color, (name, design) in zip((GREY, *CURVES), answer["designs"].items()):
             mass, best = 1000.0 * design["mass_kg"], design["best"]
             whole = best["continuous_torque_Nm"] / best["support"]
             torques = [whole * point["support"] for point in design["points"] if point["support"] is not None]
-            panel.plot([mass] * len(torques), torques, "o", ms=3, alpha=0.35, color=color, mew=0)
+            panel.plot([mass] * len(torques), torques, "o", ms=3, alpha=0.7, color=color, mew=0)
             label = f"{name}: {best['ratio']:.0f} : 1, {best['stiffness_Nm_per_rad']:.0f} N·m/rad"
             panel.plot(mass, best["continuous_torque_Nm"], "o", ms=8, color=color, label=label)
         line = [answer["designs"][name] for name in answer["pareto_front"]]
-        panel.plot([1000.0 * d["mass_kg"] for d in line], [d["best"]["continuous_torque_Nm"] for d in line], color=GREY, lw=1.0, zorder=0)
+        panel.plot([1000.0 * d["mass_kg"] for d in line], [d["best"]["continuous_torque_Nm"] for d in line], color=GREY, lw=1.0, zorder=0, label="Pareto front")
+        panel.plot([], [], "o", ms=3, color=GREY, mew=0, label="other ratios and springs")
         panel.set(
-            title=f"Continuous torque at the ankle\n{answer['activities'][REFERENCE][LEVEL]['gait']}",
-            xlabel="motor, fan and annulus, g",
-            ylabel="peak joint torque of the stride, N·m",
+            title=wrapped(f"Continuous torque at the ankle\n{answer['activities'][REFERENCE][LEVEL]['gait']}"),
+            xlabel="mass of motor, fan and annulus in g",
+            ylabel="peak joint torque of the stride in N·m",
             ylim=(0, None),
         )
-        panel.legend(title="best ratio and spring on level ground", loc="lower right")
+        canvas.legend(title="Best ratio and spring on level ground", loc="outside lower left", alignment="left")
         canvas.savefig(path, metadata={"Date": None})
         plt.close(canvas)
 

@@ -72,19 +72,19 @@ def orders(found: dict) -> dict:
 
 def figure(found: dict, path: Path):
     """Error over step, one panel for each quantity."""
-    from clients.figure import CURVES, STYLE, plt
+    from clients.figure import CURVES, STYLE, WIDTH, plt, words
 
     names = [name for name in next(iter(found.values()))[0] if name != "step_s"]
     with plt.rc_context(STYLE):
-        canvas, panels = plt.subplots(1, len(names), figsize=(9.0, 3.4), layout="constrained", sharey=True)
+        canvas, panels = plt.subplots(len(names), 1, figsize=(WIDTH, 2.2 * len(names) + 1.0), layout="constrained", sharex=True)
         for panel, name in zip(panels, names):
             for color, (master, rows) in zip(CURVES, found.items()):
                 panel.loglog([1e3 * r["step_s"] for r in rows], [r[name] for r in rows], "o-", ms=4, color=color, label=master)
-            panel.set(title=name, xlabel="communication step, ms")
+            panel.set(title=words(name), ylabel="rms error / range")
             panel.set_xticks([1e3 * step for step in STEPS], [f"{1e3 * step:g}" for step in STEPS])
             panel.minorticks_off()
-        panels[0].set_ylabel("rms error / range")
-        panels[-1].legend()
+        panels[-1].set_xlabel("communication step in ms")
+        canvas.legend(*panels[-1].get_legend_handles_labels(), loc="outside lower left", ncols=2)
         canvas.savefig(path, metadata={"Date": None})
         plt.close(canvas)
 

@@ -1,5 +1,7 @@
 """Figure of a walk: one stride above, temperatures over the whole walk below."""
 
+import textwrap
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -28,19 +30,32 @@ STYLE = {
     "svg.fonttype": "path",
 }
 POINTS = 1500  # per curve of the long panel; more is not visible
+WIDTH = 5.4  # in; in a column of 390 px text of 9 pt is still 9 px high
+BELOW = {"loc": "upper left", "bbox_to_anchor": (0.0, -0.28), "ncols": 2}  # a legend below a panel of this width hides no curve
+
+
+def words(name: str) -> str:
+    """A variable of a component in words."""
+    component, _, own = name.rpartition(".")
+    return own.replace("_", " ").capitalize() + (f", {component}" if component else "")
+
+
+def wrapped(title: str) -> str:
+    """A title in lines that fit the width."""
+    return "\n".join(line for part in title.splitlines() for line in textwrap.wrap(part, 62))
 
 
 def write(runs: dict, title: str, stem):
     """Writes `stem`.svg and `stem`.png from walks by name."""
     with plt.rc_context(STYLE):
-        canvas = plt.figure(figsize=(9.0, 6.4), layout="constrained")
-        canvas.suptitle(title, fontweight="bold")
-        top, bottom = canvas.subfigures(2, 1, height_ratios=(1.0, 1.15))
+        canvas = plt.figure(figsize=(WIDTH, 7.6), layout="constrained")
+        canvas.suptitle(wrapped(title), fontweight="bold", fontsize=STYLE["font.size"], x=0.02, ha="left")
+        top, bottom = canvas.subfigures(2, 1, height_ratios=(1.55, 1.0))
         name, run = next(iter(runs.items()))
-        _stride(top.subplots(1, 3), name, run)
+        _stride(top.subplots(3, 1, sharex=True), name, run)
         _temperatures(bottom.subplots(), runs)
         canvas.savefig(f"{stem}.svg", metadata={"Date": None})
-        canvas.savefig(f"{stem}.png", dpi=160)
+        canvas.savefig(f"{stem}.png", dpi=110)
         plt.close(canvas)
 
 
@@ -68,8 +83,8 @@ def _stride(axes, name, run):
     power.plot(percent, (run.joint_torque * run.joint_speed)[rows], color=BLUE, label="joint")
     power.set(title="Power", ylabel="W")
     power.legend()
+    axes[-1].set(xlabel=f"% of the last stride, {name}", xlim=(0, 100))
     for panel in axes:
-        panel.set(xlabel=f"% of the last stride, {name}", xlim=(0, 100))
         panel.axhline(0.0, color=GREY, lw=0.6)
 
 
@@ -90,7 +105,7 @@ def _temperatures(panel, runs):
             at = minutes[-1]
             panel.plot([at], [run.winding_limit - KELVIN], "o", color=color, ms=6)
             panel.annotate(
-                f"limit reached after {at:.1f} min",
+                f"after {at:.1f} min",
                 (at, run.winding_limit - KELVIN),
                 xytext=(-8, 8),
                 textcoords="offset points",
@@ -109,7 +124,7 @@ def _temperatures(panel, runs):
     )
     end = max(run.time[-1] for run in runs.values()) / 60.0
     panel.set(title="Temperatures (band: within a stride)", xlabel="minutes of walking", ylabel="°C", xlim=(0, 1.01 * end))
-    panel.legend(loc="lower right", ncols=2, bbox_to_anchor=(1.0, 0.04))
+    panel.legend(**BELOW)
     panel.margins(y=0.12)
 
 
@@ -122,9 +137,9 @@ def _envelope(values, stride: int):
 def operating_ranges(motors: dict, path):
     """Operating ranges as catalogues draw them, a panel for each motor: speed-torque line, continuous torque, printed nominal point."""
     with plt.rc_context(STYLE):
-        columns = 3
+        columns = 2
         rows = -(-len(motors) // columns)
-        canvas, grid = plt.subplots(rows, columns, figsize=(9.0, 2.9 * rows), layout="constrained", squeeze=False)
+        canvas, grid = plt.subplots(rows, columns, figsize=(WIDTH, 2.7 * rows), layout="constrained", squeeze=False)
         for panel in grid.flat[len(motors) :]:
             panel.set_visible(False)
         for panel, (name, m) in zip(grid.flat, motors.items()):
@@ -143,7 +158,7 @@ def operating_ranges(motors: dict, path):
             panel.plot([m["printed_mNm"]], [m["nominal_speed_rpm"]], "o", color=RED, ms=5, label="printed nominal point, ±10 %")
             panel.set(title=name, xlabel="torque in mN·m", ylabel="speed in rpm", xlim=(0, widest), ylim=(0, None))
         handles, labels = grid.flat[0].get_legend_handles_labels()
-        legend = canvas.legend(handles, labels, loc="outside lower center", ncols=2)
+        legend = canvas.legend(handles, labels, loc="outside lower left")
         canvas.savefig(path, metadata={"Date": None})
         assert legend.get_window_extent().width < canvas.bbox.width, "the legend is wider than the figure"
         plt.close(canvas)

@@ -152,7 +152,7 @@ def test_sweep(motor_fmu, tmp_path):
         to_ambient = 0.1351 + 0.113 * float(row["fan_command"]) ** 0.8
         by_hand = float(row["ambient_temperature"]) + 10 * (0.21 + 1 / to_ambient)
         assert float(row["winding_temperature"]) == pytest.approx(by_hand, abs=1e-3)
-    assert "fan_command = 1.000, ambient_temperature = 290.0 K" in done.stdout
+    assert "fan_command = 1, ambient_temperature = 290 K" in done.stdout
     assert (tmp_path / "grid.svg").read_text().startswith("<svg")
     # Above the winding's limit: the figure says why a place is empty.
     assert motor_fmu("sweep", "--vary", "ambient_temperature=290,450", "--plot", "hot.svg").returncode == 0
@@ -160,11 +160,11 @@ def test_sweep(motor_fmu, tmp_path):
 
 
 def test_a_motor_without_a_steady_state(motor_fmu):
-    """30 A at standstill: the run ends at a limit of validity, with a time, and that is an answer and no failure of the command."""
+    """30 A at standstill: the run ends at a limit of validity, and that is an answer and no failure of the command."""
     done = motor_fmu("steady", "--set", "current_command=30")
     lines = [line for line in done.stderr.splitlines() if line.strip()]
     assert done.returncode == 1 and len(lines) == 1, done.stderr
-    assert all(word in lines[0] for word in ("does not settle", "runaway", "validity.winding_temperature = 543.15 K", " s: "))
+    assert all(word in lines[0] for word in ("does not settle", "runaway", "validity.winding_temperature = 543.15 K"))
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import copy
 import importlib.util
+import re
 
 import pytest
 from clients.paths import EXAMPLES
@@ -88,3 +89,12 @@ def test_every_activity_names_its_data(study, answer):
     answer["activities"]["bare"]["stairs down"]["gait"] = "Stairs down, adults (another source)"
     assert "| Stairs down, adults (another source) |" in page(study, answer)
     assert {"walk", "stairs_up", "stairs_down", "child_walk_slow"} <= {a["gait.activity"] for a in study.ACTIVITIES.values()}
+
+
+def test_the_figure_is_readable_in_a_narrow_column(study, answer, tmp_path):
+    from clients.figure import STYLE, words
+
+    study.figure(answer, tmp_path / "f.svg")
+    points = float(re.search(r'width="([\d.]+)pt"', (tmp_path / "f.svg").read_text()).group(1))
+    assert STYLE["font.size"] * 388.0 / points > 8.5, "text in px where the figure is 388 px wide"
+    assert words("motor.winding_temperature") == "Winding temperature, motor"

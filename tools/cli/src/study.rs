@@ -229,8 +229,7 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         write(path, &found.csv())?;
     }
     if let Some(path) = &args.plot {
-        let figure = found.figure()?.remark(&infeasible(&found, LISTED_IN_A_FIGURE).replace('\n', " "));
-        drawing::write(path, &figure.svg())?;
+        drawing::write(path, &found.figure()?.svg())?;
     }
     if args.json {
         let mut result = serde_json::to_value(&found)?;
@@ -276,7 +275,10 @@ fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     if let Some(source) = &found.source {
         text += &format!("load: {source}\n");
     }
-    text += &infeasible(found, LISTED);
+    let infeasible = found.infeasible_points(LISTED, |values| found.place(values));
+    // The reasons are a list below their number.
+    text += &infeasible.join("\n  ");
+    text += if infeasible.is_empty() { "" } else { "\n" };
     let objectives = found.objectives.iter().map(|o| {
         let goal = if o.least_is_best { "minimum" } else { "maximum" };
         format!("{goal} of {}", o.name)
@@ -286,9 +288,7 @@ fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
         text += &format!("constraint: {}\n", constraint.words());
     }
     if let Some(best) = &found.best {
-        let values = found.varied.iter().zip(&found.shown).zip(&best.values);
-        let places = values.map(|((name, shown), value)| format!("{name} = {}", shown.with_unit(value)));
-        let (shown, places) = (found.objectives[0].shown(), places.collect::<Vec<_>>().join(", "));
+        let (shown, places) = (found.objectives[0].shown(), found.place(&best.values));
         let value = best.objective.map_or(String::new(), |value| significant(shown.of(value)));
         text += &format!("best {} = {value}{} at {places}\n", found.objective, shown.unit(" "));
     }
@@ -306,36 +306,8 @@ fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     text
 }
 
-/// Reasons of infeasible points that the summary lists, and a figure.
+/// Reasons of infeasible points that the summary lists.
 const LISTED: usize = 12;
-const LISTED_IN_A_FIGURE: usize = 3;
-
-/// The infeasible points with their reasons, points with the same reason together.
-fn infeasible(found: &Sweep, listed: usize) -> String {
-    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
-    for point in &found.points {
-        let Some(failure) = &point.failure else { continue };
-        let values = found.varied.iter().zip(&found.shown).zip(&point.values);
-        let values = values.map(|((name, shown), value)| format!("{name} = {}", shown.with_unit(value)));
-        let place = values.collect::<Vec<_>>().join(", ");
-        match reasons.iter_mut().find(|(reason, _)| reason == failure) {
-            Some((_, places)) => places.push(place),
-            None => reasons.push((failure, vec![place])),
-        }
-    }
-    if reasons.is_empty() {
-        return String::new();
-    }
-    let mut text = format!("{} of {} points infeasible\n", found.infeasible, found.points.len());
-    for (reason, places) in reasons.iter().take(listed) {
-        let more = if places.len() > 1 { format!(" and {} more", places.len() - 1) } else { String::new() };
-        text += &format!("  {}{more}: {reason}\n", places[0]);
-    }
-    if reasons.len() > listed {
-        text += &format!("  and {} more reasons; --json lists all points\n", reasons.len() - listed);
-    }
-    text
-}
 
 /// The Pareto set as a table, best first in the first objective. A star marks a value at an end of its range.
 fn pareto(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {

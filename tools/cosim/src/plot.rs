@@ -2,6 +2,7 @@
 
 use crate::{Column, Error, Kind, Recording, Status};
 use present::figure::{Axis, Figure};
+use present::words::unit as written;
 use std::path::Path;
 
 /// Panels that a figure may have; further outputs are named below it.
@@ -82,7 +83,7 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
             return Some(format!("{} = {}", words(&c.name), c.values.last()? != &0.0));
         }
         c.last_shown().map(|(v, unit)| {
-            format!("{} = {} {}", words(&c.name), present::number(v), readable(unit)).trim_end().to_owned()
+            format!("{} = {} {}", words(&c.name), present::number(v), written(unit)).trim_end().to_owned()
         })
     };
     let list = |heading: &str, names: &[String]| {
@@ -112,14 +113,14 @@ fn ended(recording: &Recording) -> String {
     )
 }
 
-/// A name of whole words without its underscores, after its component; any other name as it is.
+/// A name of whole words in words, after its component; any other name as it is.
 fn words(name: &str) -> String {
     let (component, own) = name.rsplit_once('.').map_or(("", name), |(component, own)| (component, own));
     let is_word = |part: &str| part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase());
     match (own.split('_').all(is_word), component) {
         (false, _) => name.to_owned(),
-        (true, "") => own.replace('_', " "),
-        (true, _) => format!("{component}: {}", own.replace('_', " ")),
+        (true, "") => present::words::words(own),
+        (true, _) => format!("{component}: {}", present::words::words(own)),
     }
 }
 
@@ -185,7 +186,7 @@ fn unit(column: &Column) -> String {
     match unit {
         "" | "1" if column.kind == Kind::Boolean => BOOLEAN.to_owned(),
         "" | "1" => String::new(),
-        _ => readable(unit),
+        _ => written(unit),
     }
 }
 
@@ -207,7 +208,10 @@ fn axis_title(columns: &[&Column]) -> String {
             }
         }
         (unit, Some(quantity)) => format!("{quantity} in {unit}"),
-        (unit, None) => format!("{only} in {unit}").trim_start().to_owned(),
+        // A difference of temperatures in K is named by its output, several outputs by their quantity.
+        (unit, None) if !only.is_empty() => format!("{only} in {unit}"),
+        ("K", None) => "temperature in K".to_owned(),
+        (unit, None) => format!("value in {unit}"),
     }
 }
 
@@ -229,13 +233,3 @@ const QUANTITIES: [(&str, &[&str]); 12] = [
     ("flow rate", &["m³/s", "L/s", "L/min"]),
     ("force", &["N", "kN"]),
 ];
-
-/// A unit in its usual notation.
-fn readable(unit: &str) -> String {
-    unit.replace("degC", "°C")
-        .replace("Ohm", "Ω")
-        .replace('.', "·")
-        .replace("m3", "m³")
-        .replace("m2", "m²")
-        .replace("s2", "s²")
-}

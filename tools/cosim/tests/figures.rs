@@ -68,6 +68,38 @@ fn small_outputs_are_not_flat() {
     assert_eq!(panels(&r), 1);
 }
 
+/// The quantity of an axis is named also in SI units; names of outputs are in the order of English.
+#[test]
+fn axes_and_lines_are_named_in_words() {
+    let column = |name: &str, unit: &str| Column {
+        name: name.to_owned(),
+        kind: Kind::Float64,
+        unit: Some(unit.to_owned()),
+        display_unit: None,
+        values: vec![300.0, 310.0],
+        exact: Vec::new(),
+    };
+    let r = Recording {
+        model_name: "M".to_owned(),
+        times: vec![0.0, 1.0],
+        columns: vec![
+            column("winding_temperature", "K"),
+            column("housing_temperature", "K"),
+            column("motor.loss_copper", "W"),
+            column("slope_a", "K/s"),
+            column("slope_b", "K/s"),
+        ],
+        steps: 1,
+        seconds_wall: 0.0,
+        ended_early: None,
+        messages: Vec::new(),
+    };
+    let text = r.svg(&[]).unwrap();
+    for expected in [">temperature in K<", ">motor: copper loss<", ">value in K/s<"] {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+}
+
 /// A limit near the values is a line, one that changes a curve, one far away is named below the panels.
 #[test]
 fn limits_are_drawn_near_the_values() {

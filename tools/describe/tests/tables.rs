@@ -38,6 +38,10 @@ fn every_variable_is_described_and_within_its_own_limits() {
     for e in entries() {
         let row = e.row;
         assert!(row.doc.trim().len() > 8 && !row.doc.trim().ends_with('.'), "{}: {:?}", e.name, row.doc);
+        // The user of an FMU has neither the repository nor what it was made from.
+        let is_there =
+            ["seeds", ".rs", ".md", "tests/", "docs/"].iter().all(|place| !row.source.contains(place));
+        assert!(is_there, "{}: source {:?}", e.name, row.source);
         assert!(row.nominal > 0.0 && row.nominal.is_finite(), "{}: nominal {}", e.name, row.nominal);
         match row.causality {
             Causality::Output | Causality::Local => {

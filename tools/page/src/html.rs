@@ -11,14 +11,14 @@ const SCRIPT: &str = include_str!("page.js");
 const WORKER: &str = include_str!("worker.js");
 const STYLE: &str = include_str!("controls.css");
 
-/// A number that the reader chooses: key of the state, label, unit, start, least, most, step.
+/// A number that the reader chooses: key of the state, label, unit (empty where it has none), start, least, most, step.
 type Number = (&'static str, &'static str, &'static str, f64, f64, f64, f64);
 
 /// The motor that is selected first: that of the declared defaults.
 const FIRST: &str = "maxon-305015";
 /// Numbers about motor and ambient.
 const AMBIENT: [Number; 3] = [
-    ("fan", "Fan speed", "of full speed", 0.0, 0.0, 1.0, 0.05),
+    ("fan", "Fan speed", "fraction of full speed", 0.0, 0.0, 1.0, 0.05),
     ("ambient", "Ambient temperature", "°C", 25.0, -40.0, 100.0, 1.0),
     ("voltage", "Supply voltage", "V", 24.0, 0.5, 600.0, 0.5),
 ];
@@ -31,8 +31,8 @@ const CONSTANT: [Number; 3] = [
 /// Numbers of a walking person and the actuator.
 const GAIT: [Number; 4] = [
     ("body_mass", "Body mass", "kg", 75.0, 20.0, 200.0, 1.0),
-    ("support", "Fraction of the biological torque", "1", 0.5, 0.0, 2.0, 0.05),
-    ("ratio", "Gear ratio", "1", 250.0, 1.0, 1000.0, 1.0),
+    ("support", "Fraction of the biological torque", "", 0.5, 0.0, 2.0, 0.05),
+    ("ratio", "Gear ratio", "", 250.0, 1.0, 1000.0, 1.0),
     ("stiffness", "Stiffness of the series spring", "N·m/rad", 250.0, 1.0, 10_000.0, 1.0),
 ];
 const DURATION: Number = ("minutes", "Duration", "min", 30.0, 0.5, 600.0, 0.5);
@@ -51,7 +51,7 @@ fn number((key, label, unit, start, least, most, step): Number) -> Markup {
         r#"<input id="{key}" type="number" inputmode="decimal" value="{start}" min="{least}" max="{most}" step="{step}"/>"#
     );
     html! {
-        label for=(key) { (label) ", " (unit) }
+        label for=(key) { (label) @if !unit.is_empty() { ", " (unit) } }
         (PreEscaped(input))
     }
 }
@@ -65,12 +65,13 @@ fn choice(key: &str, label: &str, items: &[(String, String)]) -> Markup {
 
 /// The items of an enumeration with their descriptions, the declared start value first: it is selected at the start.
 fn items(declaration: &Declaration, name: &str) -> Vec<(String, String)> {
-    let words = |text: &str| text.split(['.', ';', ':']).next().unwrap_or_default().trim().to_owned();
     let Some(entry) = declaration.by_name(name) else { return Vec::new() };
     let Kind::Enumeration(t) = entry.row.kind else { return Vec::new() };
     let start = StartValues::default().of(entry);
     let mut items: Vec<_> = t.items.iter().collect();
     items.sort_by_key(|item| f64::from(item.value) != start);
+    // Items are distinguished by all of their description.
+    let words = |text: &str| text.trim().trim_end_matches('.').to_owned();
     items.into_iter().map(|item| (item.name.to_owned(), words(item.doc))).collect()
 }
 
@@ -155,6 +156,17 @@ mod tests {
         }
         for (name, _) in items(declaration(MODEL).unwrap(), "cooling_mode") {
             assert!(page.contains(&format!("<option value=\"{name}\">")), "{name}");
+        }
+        // The options of a list are different, and no description is cut.
+        for list in page.split("<select ").skip(1).filter_map(|list| list.split("</select>").next()) {
+            let options: Vec<&str> =
+                list.split("<option ").skip(1).filter_map(|o| o.split_once('>')).map(|o| o.1).collect();
+            assert!((1..options.len()).all(|k| !options[..k].contains(&options[k])), "{options:?}");
+        }
+        for text in
+            [">Level walking of adults, 1.14 s per stride (Grimmer and Seyfarth 2014)<", ">Gear ratio<"]
+        {
+            assert!(page.contains(text), "{text}");
         }
         // A browser selects the first option.
         for (control, first) in [("motor", FIRST), ("activity", "walk"), ("joint", "ankle")] {

@@ -3,8 +3,8 @@
 use crate::Answer;
 use crate::choice::{Choice, Gait, ZERO_CELSIUS};
 use crate::heating::duration;
-use present::figure::{Axis, Figure};
 use present::number;
+use present::words::sentence;
 use study::StudyError;
 use study::walk::{Load, continuous_support, walk};
 
@@ -33,14 +33,7 @@ pub fn answer(choice: &Choice, gait: &Gait) -> Result<Answer, StudyError> {
     let load = load(choice, gait)?;
     let found = walk(&load, choice.minutes / 60.0, &|_| ())?;
     let limit = found.limit - ZERO_CELSIUS;
-    let points = found.envelope.points.iter().map(|p| (p.time / 60.0, p.winding_temperature - ZERO_CELSIUS));
-    let mut figure = Figure::new(
-        "Winding temperature, greatest of each stride",
-        Axis::new("time in min"),
-        Axis::new("temperature in °C"),
-    )
-    .line("winding", points.collect())
-    .limit(limit, &format!("limit {} °C", number(limit)));
+    let mut figure = found.figure("Winding temperature");
     let mut text = match (found.envelope.time_to_limit, &found.forever) {
         (Some(time), _) => {
             figure = figure.note(time / 60.0, &duration(time));
@@ -67,7 +60,7 @@ pub fn answer(choice: &Choice, gait: &Gait) -> Result<Answer, StudyError> {
             Some(continuous)
         }
         Err(reason) => {
-            text += &format!(" There is {reason}.");
+            text += &format!(" There is {}.", sentence(&reason.to_string()));
             None
         }
     };

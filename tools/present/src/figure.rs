@@ -116,7 +116,7 @@ impl Figure {
         Figure { title: title.to_owned(), x, panels, notes, categories, remark: String::new(), thin: false }
     }
 
-    /// With a remark below.
+    /// With a remark below, in lines as given.
     pub fn remark(mut self, text: &str) -> Figure {
         text.clone_into(&mut self.remark);
         self
@@ -253,7 +253,7 @@ impl Figure {
                 @let _ = below += tall;
             }
         };
-        let lines = wrap(&self.remark, WIDTH - 2.0 * PAD);
+        let lines: Vec<String> = self.remark.lines().flat_map(|line| wrap(line, WIDTH - 2.0 * PAD)).collect();
         let remark = html! {
             (panels)
             @for (k, line) in lines.iter().enumerate() { (text(PAD, below + LINE * (k as f64 + 1.0), "s", line)) }

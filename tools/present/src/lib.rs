@@ -7,6 +7,7 @@
 pub mod check;
 pub mod figure;
 pub mod page;
+pub mod words;
 
 pub(crate) struct Palette {
     pub ink: &'static str,
@@ -60,56 +61,9 @@ pub fn number(value: f64) -> String {
     text.split_once('e').map_or(text.clone(), |(digits, power)| format!("{}e{power}", short(digits)))
 }
 
-/// A unit of FMI in its usual notation: `N.m.s2` is N·m·s², `N.m.s0.5` is N·m·s^0.5. A pure number has none.
-pub fn unit(name: &str) -> String {
-    if name == "1" {
-        return String::new();
-    }
-    let all: Vec<char> = name.replace("degC", "°C").replace("Ohm", "Ω").chars().collect();
-    let is_digit = |k: usize| all.get(k).is_some_and(char::is_ascii_digit);
-    let mut text = String::new();
-    let mut k = 0;
-    while k < all.len() {
-        // Digits after a letter are its exponent; a point within them is a decimal point.
-        let end = (k..all.len())
-            .find(|e| !is_digit(*e) && !(all[*e] == '.' && is_digit(*e + 1)))
-            .unwrap_or(all.len());
-        let exponent = &all[k..end];
-        let after_letter = k > 0 && all[k - 1].is_alphabetic();
-        match exponent {
-            ['2'] if after_letter => text.push('²'),
-            ['3'] if after_letter => text.push('³'),
-            ['4'] if after_letter => text.push('⁴'),
-            _ if is_digit(k) => {
-                text += if after_letter { "^" } else { "" };
-                text.extend(exponent);
-            }
-            _ => text.push(if all[k] == '.' { '·' } else { all[k] }),
-        }
-        k = if is_digit(k) { end } else { k + 1 };
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{number, unit};
-
-    #[test]
-    fn units_have_signs_of_products_and_powers() {
-        for (name, text) in [
-            ("N.m.s0.5/rad0.5", "N·m·s^0.5/rad^0.5"),
-            ("N.m.s^0.5", "N·m·s^0.5"),
-            ("W/K4", "W/K⁴"),
-            ("m3/s", "m³/s"),
-            ("1/K", "1/K"),
-            ("Ohm", "Ω"),
-            ("degC", "°C"),
-            ("1", ""),
-        ] {
-            assert_eq!(unit(name), text);
-        }
-    }
+    use super::number;
 
     #[test]
     fn numbers_have_four_digits() {

@@ -69,10 +69,10 @@ impl Plate {
     }
 }
 
-/// An SVG for light paper from elsewhere with its caption. Its prologue is left out; it scrolls in a narrow window.
+/// An SVG for light paper from elsewhere with its caption. Its prologue is left out.
 pub fn picture(svg: &str, caption: &str) -> Option<Markup> {
     let svg = &svg[svg.find("<svg")?..];
-    Some(html! { figure.picture { div tabindex="0" { (PreEscaped(svg)) } figcaption { (caption) } } })
+    Some(html! { figure.picture { (PreEscaped(svg)) figcaption { (caption) } } })
 }
 
 /// Figures side by side where there is room.
@@ -129,8 +129,9 @@ pub fn labelled_table(id: &str, headers: &[&str], rows: Vec<(&str, Vec<Cell>)>) 
                     @for (cell, header) in cells.iter().zip(headers) {
                         @match cell {
                             Cell::Text(text) => td class=[(text.chars().count() > 60).then_some("w")] data-label=(header) { (text) },
-                            Cell::Number(text) => td.n data-label=(header) { (text) },
-                            Cell::Unit(name) => td.u data-label=(header) { (crate::unit(name)) },
+                            // Several numbers in a cell may stand below each other.
+                            Cell::Number(text) => td.n.m[text.contains(", ")] data-label=(header) { (text) },
+                            Cell::Unit(name) => td.u data-label=(header) { (crate::words::unit(name)) },
                             Cell::Code(text) => td data-label=(header) { @if !text.is_empty() { code { (text) } } },
                         }
                     }
@@ -153,7 +154,7 @@ mod tests {
             (plates(&[Plate::new("power", figure.line("a & b", vec![(0.0, 1.0)]), "The <power>.")]))
             (table(&["name", "value"], vec![vec![Cell::Code("motor.R_ref".into()), Cell::number(0.386)], vec![
                 "\"quoted\"".into(),
-                Cell::maybe(None),
+                Cell::Number("15 min, 45 %".to_owned()),
             ]]))
             // Five columns, so blocks in a narrow window; there and in a row a unit is not broken.
             (table(&["limit", "of", "size", "unit", "reason"], vec![vec![Cell::number(1.0), "a".into(), "b".into(), Cell::Unit("W/K4"), "c".into()]]))
@@ -175,6 +176,8 @@ mod tests {
             STYLE.contains(".cards td.n:first-child::before"),
             "a number as the head of a block has its label"
         );
+        // Several numbers in a cell may stand below each other.
+        assert!(page.contains("<td class=\"n m\" data-label=\"value\">15 min, 45 %<"), "{page}");
         assert!(!page.contains("<?xml") && picture("png", "").is_none());
     }
 }

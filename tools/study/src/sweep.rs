@@ -4,6 +4,7 @@
 mod case;
 mod edges;
 mod figure;
+mod infeasible;
 mod shown;
 mod vary;
 

@@ -15,19 +15,19 @@ variables! {
     pub struct Armature {
         /// Terminal resistance at T_ref, brushes included
         R_ref: f64 = Variable::tunable(0, 9.20, Unit::Ohm, 1e-4, 1e4).log()
-            .source("paper in seeds (gearmotor 37D), section 2.5: LCR meter"),
+            .source("paper on the gearmotor 37D, section 2.5: LCR meter"),
         /// Reference temperature of R_ref and k_t
         T_ref: f64 = Variable::tunable(1, 293.15, Unit::Kelvin, 173.15, 473.15)
-            .source("paper in seeds (gearmotor 37D): 20 degC"),
+            .source("paper on the gearmotor 37D: 20 degC"),
         /// Temperature coefficient of the winding's resistance
         alpha: f64 = Variable::tunable(2, 0.004, Unit::PerKelvin, 0.0, 0.0045)
-            .source("paper in seeds (gearmotor 37D): copper"),
+            .source("paper on the gearmotor 37D: copper"),
         /// Terminal inductance
         L: f64 = Variable::tunable(3, 1.803e-3, Unit::Henry, 1e-7, 10.0).log()
-            .source("paper in seeds (gearmotor 37D), section 2.5: LCR meter"),
+            .source("paper on the gearmotor 37D, section 2.5: LCR meter"),
         /// Torque constant at the rotor at T_ref, equal to the back-EMF constant in V.s/rad
         k_t: f64 = Variable::tunable(4, 7.634e-3, Unit::NewtonMetrePerAmpere, 1e-6, 100.0).log()
-            .source("paper in seeds (gearmotor 37D): 8.132 V at 8.13 rad/s over the ratio 131"),
+            .source("paper on the gearmotor 37D: 8.132 V at 8.13 rad/s over the ratio 131"),
         /// Temperature coefficient of the torque constant; negative: magnets weaken when hot
         alpha_mag: f64 = Variable::tunable(5, 0.0, Unit::PerKelvin, -0.004, 0.0).nominal(0.001),
         /// Moment of inertia of the rotor and of all parts that turn at its speed

@@ -72,13 +72,13 @@ variables! {
     pub struct Drive {
         /// Bridge voltage drop of the two switches that connect the supply
         drop: f64 = Variable::tunable(0, 2.2124, Unit::Volt, 0.0, 100.0)
-            .source("paper in seeds (gearmotor 37D): 12 V less the 9.7876 V at 100 % duty"),
+            .source("paper on the gearmotor 37D: 12 V less the 9.7876 V at 100 % duty"),
         /// Voltage drop of the freewheeling path
         freewheel_drop: f64 = Variable::tunable(1, 1.8, Unit::Volt, 0.0, 100.0)
             .source("estimate: one bipolar switch 1.1 V and a diode 0.7 V"),
         /// Switching frequency
         pwm_frequency: f64 = Variable::tunable(2, 1775.0, Unit::Hertz, 1.0, 1e6).log()
-            .source("fitted to the slopes 91.62 mV and 1.04 mA per per cent of the paper in seeds (gearmotor 37D)"),
+            .source("fitted to the slopes 91.62 mV and 1.04 mA per per cent of the paper on the gearmotor 37D"),
         /// Freewheeling path of the current while the supply is off
         decay: Decay = Variable::choice(3, 1),
         /// Bridge at duty 0

@@ -25,16 +25,16 @@ variables! {
     pub struct Gear {
         /// Gear ratio: turns of the rotor for one turn of the output shaft
         ratio: f64 = Variable::tunable(0, 131.0, Unit::One, 1.0, 1e5).log()
-            .source("paper in seeds (gearmotor 37D)"),
+            .source("paper on the gearmotor 37D"),
         /// Efficiency of the gear with a driven load, without the no-load friction
         efficiency: f64 = Variable::tunable(1, 0.73, Unit::One, 0.05, 1.0)
             .source("estimate: three stages at 0.9"),
         /// Dry friction of motor and gear at the output shaft
         tau_c: f64 = Variable::tunable(2, 0.0769, Unit::NewtonMetre, 0.0, 1e4)
-            .source("fitted to the currents of the paper in seeds (gearmotor 37D) at 20 and 100 % duty"),
+            .source("fitted to the currents of the paper on the gearmotor 37D at 20 and 100 % duty"),
         /// Viscous friction of motor and gear at the output shaft
         k: f64 = Variable::tunable(3, 0.01267, Unit::NewtonMetreSecond, 0.0, 1e4)
-            .source("fitted to the currents of the paper in seeds (gearmotor 37D) at 20 and 100 % duty"),
+            .source("fitted to the currents of the paper on the gearmotor 37D at 20 and 100 % duty"),
         /// Speed of the output shaft below which dry friction goes smoothly to zero
         w_small: f64 = Variable::tunable(4, 0.02, Unit::RadianPerSecond, 1e-6, 1e3).log()
             .source("regularisation width, chosen"),
@@ -46,7 +46,7 @@ variables! {
             .source("neutral"),
         /// Temperature of the gear to which k refers
         T_ref: f64 = Variable::tunable(7, 293.15, Unit::Kelvin, 173.15, 473.15)
-            .source("paper in seeds (gearmotor 37D): 20 degC"),
+            .source("paper on the gearmotor 37D: 20 degC"),
     }
 }
 

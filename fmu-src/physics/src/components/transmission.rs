@@ -45,7 +45,7 @@ variables! {
         kind: TransmissionKind = Variable::choice(0, 1),
         /// Gear ratio, motor angle over spring input angle (kind gear)
         ratio: f64 = Variable::tunable(1, 250.0, Unit::One, 0.1, 1e5).log()
-            .source("estimate: docs/walking-study.md"),
+            .source("estimate for an ankle in level walking"),
         /// Lead of the ball screw: travel of the nut per revolution
         lead: f64 = Variable::tunable(2, 0.002, Unit::Metre, 1e-5, 1.0).log()
             .source("estimate: catalogue size of ball screws"),

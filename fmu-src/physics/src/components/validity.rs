@@ -107,6 +107,30 @@ impl Limits {
             && at.lowest > v.lowest_temperature)
     }
 
+    /// The nearest limit and the cause, for a search of a steady state: time and heat flows are those of an iterate and say nothing.
+    pub fn passed(&self, at: &Extremes) -> String {
+        let v = &self.validity;
+        let heating = "overload or thermal runaway";
+        let of_winding =
+            "hottest phase of the winding passes its limit of validity, validity.winding_temperature";
+        let of_magnets =
+            "temperature of the magnets passes its limit of validity, validity.magnet_temperature";
+        let no_torque =
+            "temperature of the magnets passes that at which motor.alpha_mag makes the torque constant 0,";
+        let lowest = "lowest temperature of winding and magnets passes its limit of validity, validity.lowest_temperature";
+        let mut nearest = (at.winding - v.winding_temperature, of_winding, v.winding_temperature, heating);
+        for other in [
+            (at.magnets - v.magnet_temperature, of_magnets, v.magnet_temperature, heating),
+            (at.magnets - self.no_torque, no_torque, self.no_torque, heating),
+            (v.lowest_temperature - at.lowest, lowest, v.lowest_temperature, "heat is taken out by an input"),
+        ] {
+            nearest = if other.0 > nearest.0 { other } else { nearest };
+        }
+        let (_, what, limit, cause) = nearest;
+        let equals = if what.ends_with(',') { "" } else { " =" };
+        format!("the {what}{equals} {limit} K ({:.1} degC): {cause}", limit - 273.15)
+    }
+
     /// Report on the nearest limit at `time`, s, with `losses` and the heat flow `cooling` out of the motor, W: one
     /// sentence.
     pub fn sentence(&self, at: &Extremes, time: f64, [losses, cooling]: [f64; 2]) -> String {
@@ -187,6 +211,12 @@ mod tests {
             assert!(limits.are_passed(&at), "{at:?}");
             let sentence = limits.sentence(&at, 12.5, [183.0, 121.0]);
             assert!(sentence.contains(word) && sentence.contains("12.5"), "{sentence}");
+            let passed = limits.passed(&at);
+            let of_an_instant = |unit: &str| passed.contains(unit);
+            assert!(
+                passed.contains(word) && ![" s:", " W ", "12.5"].into_iter().any(of_an_instant),
+                "{passed}"
+            );
         }
         assert!(limits.are_passed(&Extremes { winding: f64::NAN, ..MILD }));
     }
@@ -199,6 +229,8 @@ mod tests {
         assert!(!limits.are_passed(&at(548.0)) && limits.are_passed(&at(548.15)));
         let sentence = limits.sentence(&at(548.15), 1.0, [2.0, 1.0]);
         assert!(sentence.contains("torque constant falls to 0"), "{sentence}");
+        let passed = limits.passed(&at(548.15));
+        assert!(passed.contains("torque constant 0, 548.15 K (275.0 degC): overload"), "{passed}");
         assert!(!Limits::new(Validity::default(), 298.15, 0.0).are_passed(&at(580.0)));
     }
 

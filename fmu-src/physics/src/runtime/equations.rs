@@ -153,6 +153,10 @@ pub trait Equations<const N: usize>: Clone + Debug + Saved + Send + Sync + Sized
     fn termination_reason(_run: &Runtime<Self, N>, _time: f64) -> String {
         String::new()
     }
+    /// The same without what belongs to that time.
+    fn passed_limit(_run: &Runtime<Self, N>) -> String {
+        String::new()
+    }
 
     /// Appends values that can only be restored after the parameters.
     fn save_rest(&self, _out: &mut Vec<f64>) {}

@@ -163,8 +163,8 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
         self.step_to_limit(time, h)
     }
 
-    fn ended(&self) -> bool {
-        self.ended
+    fn ended(&self) -> Option<&str> {
+        self.ended.as_deref()
     }
 
     fn time(&self) -> f64 {

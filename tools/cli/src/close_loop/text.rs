@@ -73,7 +73,7 @@ pub fn list(items: &[String], last: &str) -> String {
 
 /// A value with its unit; a pure number has none.
 pub fn with_unit(value: f64, unit: &str) -> String {
-    format!("{} {}", number(value), present::unit(unit)).trim_end().to_owned()
+    format!("{} {}", number(value), present::words::unit(unit)).trim_end().to_owned()
 }
 
 /// A term's law: an equation, a table or a grid, and its lag.
@@ -312,7 +312,7 @@ pub fn parameters(outcome: &Outcome) -> String {
         format!("\n{:32} {:>12} {:>12} {:12} 95 % interval\n", "parameter", "before", "after", "unit");
     for p in &outcome.parameters {
         let [before, after, low, high] = [p.prior, p.value, p.ci95.0, p.ci95.1].map(number);
-        let unit = present::unit(p.unit);
+        let unit = present::words::unit(p.unit);
         text += &format!("{:32} {before:>12} {after:>12} {unit:12} {low} ... {high}\n", p.name);
     }
     text

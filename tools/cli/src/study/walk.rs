@@ -4,8 +4,7 @@ use super::{SteadyArgs, rounded};
 use crate::progress::Progress;
 use crate::{Failure, drawing};
 use ::study::reproduce::significant;
-use ::study::walk::{Load, Periodic, Walked, check_hours, continuous_support, walk};
-use present::figure::{Axis, Figure};
+use ::study::walk::{Load, Periodic, check_hours, continuous_support, walk};
 use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
@@ -45,7 +44,7 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     bar.finish();
     let walked = walked?;
     if let Some(path) = &args.plot {
-        drawing::write(path, &figure(&walked, &load.source()?).svg())?;
+        drawing::write(path, &walked.figure(&format!("{TITLE}. {}", load.source()?)).svg())?;
     }
     let (source, derived) = (load.source()?, load.derived()?);
     let notes = load.notes()?;
@@ -141,17 +140,4 @@ fn lines(p: &Periodic) -> String {
     let line =
         |(name, value, unit): &(&str, f64, String)| format!("  {name:30} {:>12} {unit}\n", rounded(*value));
     rows.iter().chain(&voltage).map(line).collect()
-}
-
-fn figure(walked: &Walked, source: &str) -> Figure {
-    let points: Vec<(f64, f64)> =
-        walked.envelope.points.iter().map(|p| (p.time / 60.0, p.winding_temperature - 273.15)).collect();
-    let limit = walked.limit - 273.15;
-    Figure::new(
-        &format!("{TITLE}. {source}"),
-        Axis::new("time in min"),
-        Axis::new("peak winding temperature in °C"),
-    )
-    .line("winding", points)
-    .limit(limit, "limit")
 }

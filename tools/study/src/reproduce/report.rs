@@ -112,8 +112,6 @@ fn all_rows(rows: &[Row]) -> Markup {
         "published",
         "recomputed",
         "corrected",
-        "leave-one-out",
-        "untuned",
         "measured",
         "unit",
         "verdict",
@@ -121,10 +119,13 @@ fn all_rows(rows: &[Row]) -> Markup {
     ];
     let body = rows.iter().map(|row| {
         let number = |v: Option<f64>| Cell::Number(v.map_or(String::new(), significant));
-        let basis = |row: &Row| {
-            let basis = row.basis.map_or(String::new(), |basis| format!(" ({})", basis.text()));
-            Cell::Number(row.corrected.map_or(String::new(), |v| format!("{}{basis}", significant(v))))
-        };
+        // Number and model of it stay in a line.
+        let of =
+            |value: f64, of: &str| format!("{}\u{a0}({})", significant(value), of.replace('-', "\u{2011}"));
+        let corrected = row.corrected.map(|v| row.basis.map_or(significant(v), |basis| of(v, basis.text())));
+        let others = [(row.leave_one_out, "leave-one-out"), (row.untuned, "untuned")];
+        let others = others.into_iter().filter_map(|(value, name)| Some(of(value?, name)));
+        let corrected = Cell::Number(corrected.into_iter().chain(others).collect::<Vec<_>>().join(", "));
         let published = match &row.printed {
             Printed::Number(value) => number(Some(*value)),
             Printed::Text(text) => text.as_str().into(),
@@ -135,9 +136,7 @@ fn all_rows(rows: &[Row]) -> Markup {
             row.quantity.as_str().into(),
             published,
             number(row.as_published),
-            basis(row),
-            number(row.leave_one_out),
-            number(row.untuned),
+            corrected,
             number(row.measured),
             row.unit.as_str().into(),
             row.verdict.text().into(),
@@ -152,7 +151,10 @@ fn all_rows(rows: &[Row]) -> Markup {
         p {
             "Published: as printed. Recomputed: by the published equations and inputs. Corrected: by the right equations and the \
              inputs that were used; \"fitted\" where a model's parameters were fitted to the published value, \"predicted\" where \
-             they were not. Leave-one-out: the model fitted to the other tests. Untuned: the model with declared values."
+             they were not."
+            @if rows.iter().any(|row| row.leave_one_out.or(row.untuned).is_some()) {
+                " Leave-one-out: the model fitted to the other tests. Untuned: the model with declared values."
+            }
         }
         p { label { "Verdict " select id="verdict" {
             option value="" { "all (" (rows.len()) ")" }
@@ -176,10 +178,34 @@ mod tests {
         for row in of_thesis.rows.iter().chain(&of_paper.rows) {
             let is_whole = row.printed != Printed::default() && !row.location.is_empty();
             assert!(is_whole && !row.note.contains(['{', '}']), "{row:?}");
+            // The quantity is that of the unit.
+            for (unit, quantity) in [("rpm", "speed"), ("N.m", "torque"), ("V", "voltage")] {
+                assert!(
+                    row.unit != unit || row.quantity.contains(quantity) || row.quantity.contains("supply"),
+                    "{row:?}"
+                );
+            }
         }
         for page in [thesis(&of_thesis), paper(&of_paper)] {
+            for caption in page.html.split("<figcaption>").skip(1) {
+                assert!(!caption.starts_with(char::is_lowercase), "{}: {}", page.name, &caption[..60]);
+            }
             assert_eq!(present::check::faults(&page.html), Vec::<String>::new(), "{}", page.name);
             assert!(page.html.matches("<tr data-filter").count() > 35 && !page.figures.is_empty());
+            // No column of a table is empty, nor is anything explained that the page has not.
+            for table in page.html.split("<table").skip(1).filter_map(|t| t.split("</table>").next()) {
+                let headers =
+                    table.split("<th").skip(2).filter_map(|th| th.split_once('>')?.1.split('<').next());
+                for header in headers {
+                    let label = format!("data-label=\"{header}\">");
+                    assert!(
+                        table.split(&label).skip(1).any(|cell| !cell.starts_with("</td>")),
+                        "{}: {header}",
+                        page.name
+                    );
+                }
+            }
+            assert_eq!(page.html.contains("Untuned"), page.html.contains("(untuned)"), "{}", page.name);
         }
     }
 }

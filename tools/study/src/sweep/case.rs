@@ -261,8 +261,8 @@ impl Case for Walking {
             let name = &targets[k].name;
             let value = Objective::named(name)?.of(&load, self.hours, known);
             found[k] = value.map_err(|why| match AT_LIMIT.contains(&name.as_str()) {
-                true => StudyError::new(format!("{name}: {why}")),
-                false => StudyError::new(format!("{name} under the given load: {why}")),
+                true => why,
+                false => StudyError::new(format!("under the given load, {why}")),
             })?;
         }
         Ok(found)

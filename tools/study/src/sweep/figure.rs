@@ -1,8 +1,13 @@
 //! A sweep as CSV and as a figure.
 
+use super::infeasible::item;
 use super::{Choice, Shown, Sweep, Vary};
 use crate::StudyError;
 use present::figure::{Axis, Figure};
+use present::words::{sentence, unit, words};
+
+/// Reasons of infeasible points below a figure.
+const LISTED: usize = 3;
 
 impl Sweep {
     /// Header and rows, 17 digits; the quantities of an infeasible point are blank.
@@ -27,14 +32,18 @@ impl Sweep {
     /// # Errors
     /// As [`check_figure`].
     pub fn figure(&self) -> Result<Figure, StudyError> {
-        let axis = |name: &str, of: &Shown| Axis::new(&format!("{}{}", words(name), in_figure(of, " in ")));
+        let axis = |name: &str, of: &Shown| Axis::new(&format!("{}{}", words(name), unit(&of.unit(" in "))));
         let source = self.source.as_ref().map_or(String::new(), |source| format!(". {source}"));
         let objective = self.objectives[0].shown();
+        let varied: Vec<String> = self.varied.iter().map(|name| words(name)).collect();
         let mut figure = Figure::new(
-            &format!("{} over {}{source}", words(&self.objective), words(&self.varied.join(" and "))),
+            &format!("{} over {}{source}", words(&self.objective), varied.join(" and ")),
             axis(&self.varied[0], &self.shown[0]),
             axis(&self.objective, &objective),
         );
+        let infeasible = self.infeasible_points(LISTED, |values| self.place_in_words(0, values));
+        let sentences = infeasible.iter().map(|line| format!("{}.\n", sentence(line.trim_end_matches('.'))));
+        figure = figure.remark(&sentences.collect::<String>());
         type Points = Vec<(f64, f64)>;
         let mut lines: Vec<(&[Choice], Points)> = Vec::new();
         // Words are drawn as categories.
@@ -56,19 +65,15 @@ impl Sweep {
         }
         check_lines(lines.len())?;
         for (key, line) in lines {
-            let others = self.varied[1..].iter().zip(&self.shown[1..]).zip(key);
-            let parts = others.map(|((name, of), k)| {
-                let unit = k.number().map_or(String::new(), |_| in_figure(of, " "));
-                format!("{} = {}{unit}", words(name), of.choice(k))
-            });
-            let label = parts.collect::<Vec<_>>().join(", ");
+            let label = self.place_in_words(1, key);
             figure = match words_of_x.is_empty() {
                 true => figure.line(&label, line),
                 false => figure.points(&label, line),
             };
         }
         if !words_of_x.is_empty() {
-            figure = figure.categories(&words_of_x.iter().map(String::as_str).collect::<Vec<_>>());
+            let names: Vec<String> = words_of_x.iter().map(|word| item(&self.varied[0], word)).collect();
+            figure = figure.categories(&names.iter().map(String::as_str).collect::<Vec<_>>());
         }
         Ok(figure)
     }
@@ -93,14 +98,4 @@ fn check_lines(lines: usize) -> Result<(), StudyError> {
         "--plot draws a line for each combination of the values behind the first --vary: {lines}, at most {MAX_LINES} are possible; \
          name the variable with the most values first, or use --output"
     )))
-}
-
-/// The name of a variable in words.
-fn words(name: &str) -> String {
-    name.replace(['_', '.'], " ")
-}
-
-/// A unit behind a separator, as figures write it.
-fn in_figure(of: &Shown, separator: &str) -> String {
-    of.unit(separator).replace('.', "·").replace("degC", "°C")
 }

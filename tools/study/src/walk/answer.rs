@@ -7,7 +7,11 @@ use super::periodic::Periodic;
 use super::support::continuous_support;
 use crate::StudyError;
 use describe::preset::nearest;
+use present::figure::{Axis, Figure};
 use serde::Serialize;
+
+/// 0 degC in K.
+const ZERO_CELSIUS: f64 = 273.15;
 
 /// Objective of a sweep under a gait.
 #[derive(Clone, Copy)]
@@ -147,6 +151,24 @@ pub struct Walked {
     pub envelope: Envelope,
 }
 
+impl Walked {
+    /// The figure: the winding over the walk, with its limit.
+    pub fn figure(&self, title: &str) -> Figure {
+        let points = self.envelope.points.iter();
+        let points: Vec<_> = points.map(|p| (p.time / 60.0, p.winding_temperature - ZERO_CELSIUS)).collect();
+        let (limit, end) = (self.limit - ZERO_CELSIUS, points.last().map_or(0.0, |p| p.0));
+        // The first point belongs to the end of the first stride.
+        let time = Axis::new("time in min").from_to(0.0, end.max(f64::MIN_POSITIVE));
+        let figure = Figure::new(title, time, Axis::new("peak winding temperature in °C"))
+            .line("winding, peak of each stride", points)
+            .limit(limit, &format!("limit {} °C", present::number(limit)));
+        match self.envelope.time_to_limit {
+            Some(_) => figure.remark("The curve ends where the winding reaches its limit."),
+            None => figure,
+        }
+    }
+}
+
 /// Part of [`walk`] that the search for the steady state takes.
 const SEARCH: f64 = 0.4;
 
@@ -191,11 +213,25 @@ pub fn periodic(load: &Load) -> Result<Periodic, StudyError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::envelope::EnvelopePoint;
     use super::super::support::Limit;
     use super::*;
     use describe::Preset;
     use rayon::prelude::*;
     use std::time::Instant;
+
+    /// The first point belongs to the end of the first stride, and the curve ends at the limit; neither looks like a cut.
+    #[test]
+    fn the_figure_has_its_limit_and_all_of_the_time() {
+        let point = |time, winding_temperature| EnvelopePoint { time, winding_temperature };
+        let points = vec![point(114.0, 330.0), point(1476.0, 428.15)];
+        let envelope = Envelope { points, time_to_limit: Some(1476.0), ..Envelope::default() };
+        let walked = Walked { stride_time: 1.14, limit: 428.15, forever: None, at_limit: None, envelope };
+        let figure = walked.figure("Winding temperature").svg();
+        for text in [">0<", ">limit 155 °C<", ">The curve ends where the winding reaches its limit.<"] {
+            assert!(figure.contains(text), "{text}: {figure}");
+        }
+    }
 
     fn load(text: &str, sets: &[(&str, &str)]) -> Load {
         let preset = Preset::load("maxon-305015").unwrap();

@@ -4,6 +4,7 @@ use crate::Outcome;
 use maud::{Markup, html};
 use present::number;
 use present::page::{Cell, page, picture, table};
+use present::words::words;
 use serde_json::{Map, Value};
 
 /// Units at the end of a key, and how people write them.
@@ -76,8 +77,9 @@ fn drawn(svg: &str, caption: &str) -> Outcome<Markup> {
 fn label(key: &str) -> String {
     let unit = UNITS.iter().find_map(|(end, unit)| Some((key.strip_suffix(end)?.strip_suffix('_')?, unit)));
     match unit {
-        Some((name, unit)) => format!("{} in {unit}", name.replace('_', " ")),
-        None => key.replace('_', " "),
+        Some(("battery", unit)) => format!("battery energy in {unit}"),
+        Some((name, unit)) => format!("{} in {unit}", words(name)),
+        None => words(key),
     }
 }
 
@@ -95,8 +97,8 @@ pub fn study(results: &str, figure: &str) -> Outcome<Markup> {
             let fraction =
                 answer["continuous_support"].as_f64().ok_or("the study has no fraction of the torque")?;
             let minutes = answer["minutes_to_limit"].as_f64();
-            let minutes = minutes.map_or_else(|| "continuous".into(), |m| format!("{m:.0} min"));
-            cells.push(Cell::Number(format!("{minutes}, {:.0} %", 100.0 * fraction)));
+            let minutes = minutes.map_or_else(|| "continuous".into(), |m| format!("{m:.0}\u{a0}min"));
+            cells.push(Cell::Number(format!("{minutes}, {:.0}\u{a0}%", 100.0 * fraction)));
         }
         rows.push(cells);
     }
@@ -199,8 +201,11 @@ mod tests {
     #[test]
     fn keys_become_labels_with_units() {
         for (key, words) in [
-            ("motor_speed_peak_rad_per_s", "motor speed peak in rad/s"),
+            ("motor_speed_peak_rad_per_s", "peak motor speed in rad/s"),
             ("energy_balance_error_percent", "energy balance error in %"),
+            ("energy_electrical_drawn_J", "electrical energy drawn in J"),
+            ("joint_torque_error_rms_percent_of_peak", "rms joint torque error in % of the peak"),
+            ("battery_Wh_per_hour", "battery energy in W·h per hour"),
             ("strides", "strides"),
             ("iron_loss", "iron loss"),
         ] {
@@ -212,7 +217,7 @@ mod tests {
     fn tables_hold_the_results() {
         assert_eq!(
             cells(&walk(WALK, FIGURE).unwrap()),
-            ["current rms in A | 9.235 | 812.3", "limit in min | – | –"]
+            ["rms current in A | 9.235 | 812.3", "limit in min | – | –"]
         );
         assert_eq!(cells(&bench(BENCH).unwrap()), ["winding temperature in K | 75.04 | 59.6 | 1.456"]);
         let text = bench(BENCH).unwrap().into_string();
@@ -222,7 +227,7 @@ mod tests {
         );
         assert_eq!(
             cells(&study(&studied(), FIGURE).unwrap()),
-            ["walking | 15 min, 45 % | continuous, 104 %"]
+            ["walking | 15\u{a0}min, 45\u{a0}% | continuous, 104\u{a0}%"]
         );
     }
 

@@ -433,6 +433,10 @@ impl Equations<ALL> for Motor {
         run.own.constants.limits().sentence(&run.extremes(), time, flows)
     }
 
+    fn passed_limit(run: &AnnulusCooledMotor) -> String {
+        run.own.constants.limits().passed(&run.extremes())
+    }
+
     fn save_rest(&self, out: &mut Vec<f64>) {
         self.network.iter().for_each(|network| network.save(out));
     }

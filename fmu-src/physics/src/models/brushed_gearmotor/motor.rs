@@ -266,6 +266,10 @@ impl Equations<STATES> for Gearmotor {
         run.own.constants.limits().sentence(&run.extremes(), time, flows)
     }
 
+    fn passed_limit(run: &BrushedGearmotor) -> String {
+        run.own.constants.limits().passed(&run.extremes())
+    }
+
     fn restored(run: &mut BrushedGearmotor, _: &mut impl FnMut() -> Option<f64>) -> Option<()> {
         run.own.constants = Constants::of(&run.parameters);
         Some(())

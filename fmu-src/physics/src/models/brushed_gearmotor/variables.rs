@@ -10,12 +10,12 @@ variables! {
         duty: f64 = Variable::input(1, 0.0, Unit::One, -1.0, 1.0).saturates(),
         /// Voltage of the supply in front of the H-bridge
         supply_voltage: f64 = Variable::input(2, 12.0, Unit::Volt, 0.0, 1e4).nominal(12.0)
-            .source("paper in seeds (gearmotor 37D), section 2.5"),
+            .source("paper on the gearmotor 37D, section 2.5"),
         /// Load torque on the output shaft
         load_torque: f64 = Variable::input(3, 0.0, Unit::NewtonMetre, -1e6, 1e6).nominal(0.1),
         /// Indicated ambient temperature around the box; initial temperature of the nodes for which initial.* gives none
         ambient_temperature: f64 = Variable::input(4, 293.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0)
-            .source("paper in seeds (gearmotor 37D): 20 degC"),
+            .source("paper on the gearmotor 37D: 20 degC"),
     }
 }
 
@@ -44,7 +44,7 @@ macro_rules! outputs {
                 voltage_mechanical: f64 = Variable::output(32, Unit::Volt).nominal(10.0),
                 /// Sum of the three voltages: terminal voltage
                 voltage_total: f64 = Variable::output(33, Unit::Volt).nominal(12.0),
-                /// Losses in the winding: voltage_electrical times current, and ripple loss R (<i2> - I2)
+                /// Losses in the winding: voltage_electrical times current, and ripple loss R (mean(i^2) - I^2)
                 power_electrical: f64 = Variable::output(34, Unit::Watt),
                 /// Power into the magnetic field: voltage_magnetic times current
                 power_magnetic: f64 = Variable::output(35, Unit::Watt),
@@ -54,7 +54,7 @@ macro_rules! outputs {
                 power_total: f64 = Variable::output(37, Unit::Watt),
                 /// Integral of power_electrical since the start
                 work_electrical: f64 = Variable::output(38, Unit::Joule).unbounded().nominal(100.0),
-                /// Integral of power_magnetic since the start: change of L I2/2
+                /// Integral of power_magnetic since the start: change of L I^2/2
                 work_magnetic: f64 = Variable::output(39, Unit::Joule).unbounded().nominal(1e-4),
                 /// Integral of power_mechanical since the start
                 work_mechanical: f64 = Variable::output(40, Unit::Joule).unbounded().nominal(1000.0),

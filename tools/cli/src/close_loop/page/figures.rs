@@ -285,7 +285,7 @@ pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
         Some(driver) => format!("{} in {}", plain(driver.name()), driver_unit(driver)),
         None => "time in s".to_owned(),
     };
-    let unit = present::unit(found.port.unit().name());
+    let unit = present::words::unit(found.port.unit().name());
     let value = if unit.is_empty() { "relative change".to_owned() } else { format!("value in {unit}") };
     let title = plain(found.port.name());
     let figure = Figure::new(&title, Axis::new(&follows), Axis::new(&value))

@@ -109,7 +109,7 @@ fn temperatures(texts: &Texts, found: &Paper) -> Plate {
     let printed: Vec<_> = found.measured.iter().map(|m| (m.duty_percent, m.temperature_degC)).collect();
     let line = printed.iter().zip(&t.residuals_K).map(|((d, t), r)| (*d, t - r)).collect::<Vec<_>>();
     let simulated = DUTIES.iter().copied().zip(t.simulated_degC.iter().copied()).collect();
-    texts.captioned("10", t.finding.clone(), |figure| {
+    texts.plate("10", |figure| {
         figure
             .points("published", printed)
             .points("best line in power", line)

@@ -1,0 +1,142 @@
+//! Names of variables and units as people write them.
+
+/// Quantities that stand first in names, and are last in words: `loss_copper` is the copper loss.
+const QUANTITIES: [&str; 5] = ["energy", "loss", "power", "voltage", "work"];
+/// Words that keep their place behind a quantity.
+const ATTRIBUTES: [&str; 7] = ["balance", "command", "demand", "density", "error", "limit", "sensor"];
+/// Statistics that stand last in names, and are first in words.
+const STATISTICS: [(&str, &str); 4] = [("rms", "rms"), ("peak", "peak"), ("mean", "mean"), ("end", "final")];
+
+/// A name of a variable in words, behind those of its component.
+pub fn words(name: &str) -> String {
+    let (component, own) = name.rsplit_once('.').unwrap_or(("", name));
+    let mut parts: Vec<&str> = own.split('_').filter(|part| !part.is_empty()).collect();
+    let are_two = parts.len() == 2;
+    if let [quantity, kind, ..] = parts[..]
+        && QUANTITIES.contains(&quantity)
+        && !ATTRIBUTES.contains(&kind)
+    {
+        // An adjective goes before its noun, and so does a single noun; of several nouns the quantity is the head.
+        match kind.ends_with("al") || kind.ends_with("ic") || are_two {
+            true => parts.swap(0, 1),
+            false => parts.insert(1, "of"),
+        }
+    }
+    if let [.., last] = parts[..]
+        && parts.len() > 1
+        && let Some((_, first)) = STATISTICS.iter().find(|(end, _)| *end == last)
+    {
+        parts.pop();
+        parts.insert(0, first);
+    }
+    format!("{} {}", component.replace(['_', '.'], " "), parts.join(" ")).trim_start().to_owned()
+}
+
+/// A unit, or a text with units, in the usual notation: `N.m` is N·m, `W/K4` is W/K⁴, `s0.5` is s^0.5. A pure number has none.
+pub fn unit(text: &str) -> String {
+    if text == "1" {
+        return String::new();
+    }
+    let all: Vec<char> = text.replace("degC", "°C").replace("Ohm", "Ω").chars().collect();
+    let is = |k: usize, of: fn(&char) -> bool| all.get(k).is_some_and(of);
+    let is_digit = |k: usize| is(k, char::is_ascii_digit);
+    let (mut written, mut k) = (String::new(), 0);
+    while k < all.len() {
+        // Digits after a letter are its exponent, and a point within them is a decimal point. H2O has no exponent.
+        let is_part = |e: &usize| is_digit(*e) || (all[*e] == '.' && is_digit(*e + 1));
+        let end = (k..all.len()).find(|e| !is_part(e)).unwrap_or(all.len());
+        let is_exponent = k > 0 && is_digit(k) && all[k - 1].is_alphabetic() && !is(end, |c| c.is_alphabetic());
+        match all[k] {
+            _ if is_exponent && all[k..end].contains(&'.') => {
+                written.push('^');
+                written.extend(&all[k..end]);
+            }
+            _ if is_exponent => written.extend(all[k..end].iter().map(raised)),
+            _ if is_digit(k) => written.extend(&all[k..end]),
+            '.' if k > 0 && is(k + 1, |d| d.is_alphabetic() || *d == '(') => written.push('·'),
+            other => written.push(other),
+        }
+        k = if is_digit(k) { end } else { k + 1 };
+    }
+    written
+}
+
+/// A digit as an exponent.
+fn raised(digit: &char) -> char {
+    digit.to_digit(10).and_then(|d| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(d as usize)).unwrap_or(*digit)
+}
+
+/// A sentence with its names of variables in words and the units of its numbers in the usual notation.
+pub fn sentence(text: &str) -> String {
+    let is_word = |part: &str| part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase());
+    let mut after_number = false;
+    let parts = text.split(' ').map(|part| {
+        let name = part.trim_matches(|c: char| !c.is_ascii_alphanumeric());
+        let written = match name.contains('_') && name.split(['_', '.']).all(is_word) {
+            true => part.replace(name, &words(name)),
+            false if after_number => unit(part),
+            false => part.to_owned(),
+        };
+        after_number = part.trim_start_matches('(').parse::<f64>().is_ok();
+        written
+    });
+    parts.collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_in_the_order_of_english() {
+        for (name, expected) in [
+            ("power_electrical", "electrical power"),
+            ("loss_copper", "copper loss"),
+            ("energy_heat_to_ambient", "energy of heat to ambient"),
+            ("energy_electrical_drawn", "electrical energy drawn"),
+            ("energy_balance_error", "energy balance error"),
+            ("power_demand", "power demand"),
+            ("voltage", "voltage"),
+            ("voltage_peak", "peak voltage"),
+            ("joint_torque_error_rms", "rms joint torque error"),
+            ("winding_temperature_end", "final winding temperature"),
+            ("torque_constant", "torque constant"),
+            ("transmission.ratio", "transmission ratio"),
+            ("effect.coulomb_friction.tau_c", "effect coulomb friction tau c"),
+        ] {
+            assert_eq!(words(name), expected);
+        }
+    }
+
+    #[test]
+    fn sentences_have_no_keys() {
+        for (given, expected) in [
+            ("loss_copper = 3 W/m2 (270.0 degC);", "copper loss = 3 W/m² (270.0 °C);"),
+            ("validity.winding_temperature, walk.toml", "validity winding temperature, walk.toml"),
+            ("thermal.T_w_max of maxon-re40-148877", "thermal.T_w_max of maxon-re40-148877"),
+        ] {
+            assert_eq!(sentence(given), expected);
+        }
+    }
+
+    #[test]
+    fn units_have_dots_and_exponents() {
+        for (given, expected) in [
+            ("N.m", "N·m"),
+            ("degC", "°C"),
+            ("W/(m2.K)", "W/(m²·K)"),
+            ("m3/s", "m³/s"),
+            ("W/K4", "W/K⁴"),
+            ("N.m.s0.5/rad0.5", "N·m·s^0.5/rad^0.5"),
+            ("N.m.s^0.5", "N·m·s^0.5"),
+            ("1/K", "1/K"),
+            ("1", ""),
+            ("mmH2O", "mmH2O"),
+            ("1/min", "1/min"),
+            ("0.1 N.m at 12.5 degC.", "0.1 N·m at 12.5 °C."),
+            ("Ohm", "Ω"),
+        ] {
+            assert_eq!(unit(given), expected);
+        }
+    }
+}
