@@ -45,7 +45,8 @@ pub fn unit(text: &str) -> String {
         // Digits after a letter are its exponent, and a point within them is a decimal point. H2O has no exponent.
         let is_part = |e: &usize| is_digit(*e) || (all[*e] == '.' && is_digit(*e + 1));
         let end = (k..all.len()).find(|e| !is_part(e)).unwrap_or(all.len());
-        let is_exponent = k > 0 && is_digit(k) && all[k - 1].is_alphabetic() && !is(end, |c| c.is_alphabetic());
+        let is_exponent =
+            k > 0 && is_digit(k) && all[k - 1].is_alphabetic() && !is(end, |c| c.is_alphabetic());
         match all[k] {
             _ if is_exponent && all[k..end].contains(&'.') => {
                 written.push('^');
