@@ -294,7 +294,7 @@ fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     }
     for edge in &found.best_at_edge {
         let shown = found.varied.iter().zip(&found.shown).find(|(name, _)| **name == edge.name);
-        let value = shown.map_or(String::new(), |(_, shown)| shown.with_unit(&Choice::Number(edge.value)));
+        let value = shown.map_or(String::new(), |(_, shown)| Choice::Number(edge.value).with_unit(shown));
         text += &format!(
             "{} = {value} is the {} end of its range: the optimum may lie outside\n",
             edge.name, edge.end
@@ -325,7 +325,7 @@ fn pareto(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
         let ends = edges(case, vary, &point.values);
         let at_end = |k: usize| ends.iter().any(|e| e.name == found.varied[k]);
         let values = found.shown.iter().zip(&point.values).enumerate();
-        let values = values.map(|(k, (u, v))| format!("{}{}", u.choice(v), if at_end(k) { "*" } else { "" }));
+        let values = values.map(|(k, (u, v))| format!("{}{}", v.shown(u), if at_end(k) { "*" } else { "" }));
         let objectives = shown.iter().zip(&point.objectives).map(|(u, value)| significant(u.of(*value)));
         rows.push(values.chain(objectives).collect());
     }

@@ -1,5 +1,6 @@
 //! What a sweep computes at a point: a motor at constant inputs, or under a load.
 
+use super::shown::Shown;
 use super::vary::{Choice, PRESET, Vary};
 use super::{count, grid_point};
 use crate::StudyError;
@@ -25,6 +26,13 @@ pub struct Target {
     /// Whether it is a difference of two temperatures.
     #[serde(skip)]
     pub is_difference: bool,
+}
+
+impl Target {
+    /// The unit in which its values are shown.
+    pub fn shown(&self) -> Shown {
+        Shown::display(self.unit, self.is_difference)
+    }
 }
 
 /// A model whose variables can be varied and whose quantities can be computed.

@@ -13,7 +13,7 @@ impl Sweep {
     pub fn place(&self, values: &[Choice]) -> String {
         let named = self.varied.iter().zip(&self.shown).zip(values);
         named
-            .map(|((name, shown), value)| format!("{name} = {}", shown.with_unit(value)))
+            .map(|((name, shown), value)| format!("{name} = {}", value.with_unit(shown)))
             .collect::<Vec<_>>()
             .join(", ")
     }
@@ -22,7 +22,7 @@ impl Sweep {
     pub(super) fn place_in_words(&self, first: usize, values: &[Choice]) -> String {
         let named = self.varied[first..].iter().zip(&self.shown[first..]).zip(values);
         let parts = named.map(|((name, shown), value)| match value {
-            Choice::Number(_) => format!("{} = {}", words(name), unit(&shown.with_unit(value))),
+            Choice::Number(_) => format!("{} = {}", words(name), unit(&value.with_unit(shown))),
             Choice::Word(word) => format!("{} = {}", words(name), item(name, word)),
         });
         parts.collect::<Vec<_>>().join(", ")

@@ -1,6 +1,5 @@
 //! Units of the numbers in texts and figures of a sweep. Results as data (CSV, JSON) are in SI units.
 
-use super::{Choice, Target};
 use physics::declare::Unit;
 use units::Conversion;
 
@@ -40,27 +39,6 @@ impl Shown {
     pub fn unit(&self, separator: &str) -> String {
         if self.unit == "1" { String::new() } else { format!("{separator}{}", self.unit) }
     }
-
-    /// A value of a varied variable, for tables and labels; a word has its unit.
-    pub fn choice(&self, value: &Choice) -> String {
-        match value {
-            Choice::Number(si) => present::number(self.of(*si)),
-            Choice::Word(word) => word.clone(),
-        }
-    }
-
-    /// The same with the unit.
-    pub fn with_unit(&self, value: &Choice) -> String {
-        let unit = value.number().map_or(String::new(), |_| self.unit(" "));
-        format!("{}{unit}", self.choice(value))
-    }
-}
-
-impl Target {
-    /// The unit in which its values are shown.
-    pub fn shown(&self) -> Shown {
-        Shown::display(self.unit, self.is_difference)
-    }
 }
 
 #[cfg(test)]
@@ -97,7 +75,7 @@ mod tests {
         ] {
             let found = found(vary, objective);
             let shown: Vec<String> =
-                found.points.iter().map(|p| found.shown[0].with_unit(&p.values[0])).collect();
+                found.points.iter().map(|p| p.values[0].with_unit(&found.shown[0])).collect();
             assert_eq!(shown.join(", "), values, "{vary}");
             let figure = found.figure().unwrap().svg();
             for axis in axes {

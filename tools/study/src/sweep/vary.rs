@@ -1,6 +1,7 @@
 //! What a sweep varies: numbers, items of enumerations, presets.
 
-use super::{MAX_POINTS, Shown};
+use super::MAX_POINTS;
+use super::shown::Shown;
 use crate::StudyError;
 use crate::numeric::linspace;
 use serde::Serialize;
@@ -34,6 +35,17 @@ impl Choice {
             Choice::Number(number) => Some(*number),
             Choice::Word(_) => None,
         }
+    }
+
+    /// For tables and labels, without unit; a word has its own.
+    pub fn shown(&self, unit: &Shown) -> String {
+        self.number().map_or_else(|| self.text(), |si| present::number(unit.of(si)))
+    }
+
+    /// The same with the unit.
+    pub fn with_unit(&self, unit: &Shown) -> String {
+        let behind = self.number().map_or(String::new(), |_| unit.unit(" "));
+        format!("{}{behind}", self.shown(unit))
     }
 }
 
