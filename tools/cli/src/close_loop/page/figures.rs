@@ -177,12 +177,12 @@ pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
             .into_iter()
             .map(|(word, (colour, model))| (word, colour, left(model)))
             .collect();
-        let sizes = |list: &[(&str, usize, Vec<(f64, f64)>)]| {
+        let sizes = |list: &[Residual]| {
             let list: Vec<String> =
                 list.iter().map(|(word, _, r)| format!("{} {word}", number(size(r)))).collect();
             format!("Greatest residual in {unit}: {}. Noise: {} {unit}.", list.join(", "), number(noise))
         };
-        let lines = |figure: Figure, list: &[(&str, usize, Vec<(f64, f64)>)]| {
+        let lines = |figure: Figure, list: &[Residual]| {
             list.iter().fold(figure, |f, (word, colour, r)| f.colour(*colour).line(word, r.clone()))
         };
         all.push(Plate::new("residual", lines(figure(&name), &of_models), sizes(&of_models)));
@@ -195,6 +195,9 @@ pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
     }
     all
 }
+
+/// Residual of a model over time: its name, its colour and the points.
+type Residual<'a> = (&'a str, usize, Vec<(f64, f64)>);
 
 fn residual(curves: &Curves, curve: &Curve, model: &[f64]) -> Vec<(f64, f64)> {
     let rows = curves.time.iter().zip(&curve.measured).zip(model);
