@@ -107,7 +107,7 @@ function show({ turn: of, question, answer, seconds }) {
   const place = byId(question);
   place.querySelector(".text").textContent = answer.error || answer.text;
   place.querySelector(".figure").innerHTML = answer.error ? "" : answer.figure;
-  place.querySelector(".values").textContent = answer.error ? "" : JSON.stringify(answer.values, (_, x) => (typeof x === "number" ? Number(x.toPrecision(6)) : x));
+  place.querySelector(".values").textContent = answer.error ? "" : JSON.stringify(answer.values);
   place.dataset.seconds = seconds.toFixed(3);
   if (waiting === 0) {
     status.textContent = "Ready";
