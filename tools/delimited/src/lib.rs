@@ -247,7 +247,7 @@ mod tests {
         };
         let values: [fn(u32) -> u32; 3] = [|k| 41 * k, |k| 23 * k, |k| k * k * k];
         for (separator, mark, value) in [(";", ',', 0), (";", '.', 0), (",", '.', 1), ("\t", ',', 2)] {
-            let sign = |k: u32| if k % 3 == 0 { "-" } else { "" };
+            let sign = |k: u32| if k.is_multiple_of(3) { "-" } else { "" };
             let signed = |k: u32| format!("{}{}", sign(k), grouped(mark, values[value](k)));
             let fault = column(separator, &signed).unwrap();
             assert!(fault.message.contains("thousands separator") && fault.line > 2, "{}", fault.message);
