@@ -179,11 +179,11 @@ fn grouping(cell: &str) -> Option<Grouping> {
         return Some(Grouping::None);
     }
     let mut groups = digits.split([',', '.']);
-    let lead = groups.next().filter(|lead| is_number(lead) && lead.len() <= 3 && !lead.starts_with('0'))?;
-    match groups.clone().next() {
-        None => (!lead.is_empty()).then_some(Grouping::Whole),
-        Some(_) => groups.all(|group| group.len() == 3 && is_number(group)).then_some(Grouping::Thousands),
+    groups.next().filter(|lead| is_number(lead) && lead.len() <= 3 && !lead.starts_with('0'))?;
+    if !digits.contains([',', '.']) {
+        return Some(Grouping::Whole);
     }
+    groups.all(|group| group.len() == 3 && is_number(group)).then_some(Grouping::Thousands)
 }
 
 /// The text of a file in any of these encodings, without its byte order mark: of a TOML file, too.
