@@ -355,7 +355,7 @@ impl Instance {
     /// The error of a step that failed or ended early.
     #[cold]
     fn halted(&mut self, fault: Fault) -> Refused {
-        self.ended = self.model.ended().is_some().then(|| c_string(&fault.0));
+        self.ended = self.model.ended().then(|| c_string(&fault.0));
         Refused::discard(fault.0)
     }
 

@@ -411,9 +411,13 @@ pub trait Model: Exchange + Send + Sync {
     /// Advances from `time`, the caller's time, by `h` > 0 seconds; on failure nothing changes, unless the model has
     /// [`ended`](Model::ended).
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault>;
-    /// The limit of validity at which the last step failed, with its cause: the model then is at the last time within the limit, and the
-    /// run is over.
-    fn ended(&self) -> Option<&str> {
+    /// Whether the last step failed at a limit of validity: the model then is at the last time within the limit, and the run is
+    /// over.
+    fn ended(&self) -> bool {
+        false
+    }
+    /// This limit with its cause, without what belongs to the instant; `None` unless the model has [`ended`](Model::ended).
+    fn passed_limit(&self) -> Option<String> {
         None
     }
     /// The present time of the model, s.

@@ -476,7 +476,7 @@ fn finite_at_the_limits_of_the_inputs() {
                 m.start(0.0).unwrap();
                 // 200 W may take the winding to its limit of validity; nothing else may end the run.
                 let ended = (0..5).any(|k| m.step(10.0 * f64::from(k), 10.0).is_err());
-                assert_eq!(ended, m.ended().is_some(), "{mode:?} {ambient} {pressure} {command}");
+                assert_eq!(ended, m.ended(), "{mode:?} {ambient} {pressure} {command}");
                 let o = outputs(&mut m);
                 let at = Conditions::of(&m.inputs, ambient, ambient, ambient);
                 let coolant = Cooling::new(&m.parameters, 1).coefficients(&m.parameters, &at).coolant_inlet;

@@ -89,7 +89,7 @@ fn outputs(mut model: Box<dyn Model>, point: u64, moved: &str) -> impl Iterator<
                     }
                 }
                 let time = model.time();
-                model.step(time, *h).is_ok() || model.ended().is_some()
+                model.step(time, *h).is_ok() || model.ended()
             });
         found
     })

@@ -247,7 +247,7 @@ impl Bench {
                 model.set_slope(*slot, (input[k + 1] - input[k]) / h);
             }
             match model.step(drive.time[k], h) {
-                Err(fault) if model.ended().is_some() => {
+                Err(fault) if model.ended() => {
                     ending = Some(fault.0);
                     continue;
                 }

@@ -33,8 +33,8 @@ impl StudyError {
     /// The error of a failed step: a model that ends at a limit of validity has no steady state at these values.
     /// The time and the heat flows of the model's own report would be those of an iterate of the search.
     pub(crate) fn of_step(model: &dyn physics::model::Model, fault: &physics::model::Fault) -> StudyError {
-        match model.ended() {
-            Some(limit) => StudyError::Unsettled(limit.to_owned()),
+        match model.passed_limit() {
+            Some(limit) => StudyError::Unsettled(limit),
             None => StudyError::new(fault.to_string()),
         }
     }

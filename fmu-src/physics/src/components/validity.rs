@@ -107,81 +107,91 @@ impl Limits {
             && at.lowest > v.lowest_temperature)
     }
 
+    /// The limit that is exceeded most, or is nearest.
+    fn nearest(&self, at: &Extremes) -> Nearest {
+        let v = &self.validity;
+        let hot = |what, value, limit, name| Nearest {
+            what: What::Hot(what, name),
+            value,
+            limit,
+            excess: value - limit,
+        };
+        let winding = "hottest phase of the winding";
+        let winding = hot(winding, at.winding, v.winding_temperature, "validity.winding_temperature");
+        let magnets = "temperature of the magnets";
+        let magnets = hot(magnets, at.magnets, v.magnet_temperature, "validity.magnet_temperature");
+        let mut nearest = if winding.excess >= magnets.excess { winding } else { magnets };
+        for (what, value, limit, excess) in [
+            (What::NoTorque, at.magnets, self.no_torque, at.magnets - self.no_torque),
+            (What::Lowest, at.lowest, v.lowest_temperature, v.lowest_temperature - at.lowest),
+        ] {
+            if excess >= nearest.excess {
+                nearest = Nearest { what, value, limit, excess };
+            }
+        }
+        nearest
+    }
+
     /// The nearest limit and the cause, for a search of a steady state: time and heat flows are those of an iterate and say nothing.
     pub fn passed(&self, at: &Extremes) -> String {
-        let v = &self.validity;
-        let heating = "overload or thermal runaway";
-        let of_winding =
-            "hottest phase of the winding passes its limit of validity, validity.winding_temperature";
-        let of_magnets =
-            "temperature of the magnets passes its limit of validity, validity.magnet_temperature";
-        let no_torque =
-            "temperature of the magnets passes that at which motor.alpha_mag makes the torque constant 0,";
-        let lowest = "lowest temperature of winding and magnets passes its limit of validity, validity.lowest_temperature";
-        let mut nearest = (at.winding - v.winding_temperature, of_winding, v.winding_temperature, heating);
-        for other in [
-            (at.magnets - v.magnet_temperature, of_magnets, v.magnet_temperature, heating),
-            (at.magnets - self.no_torque, no_torque, self.no_torque, heating),
-            (v.lowest_temperature - at.lowest, lowest, v.lowest_temperature, "heat is taken out by an input"),
-        ] {
-            nearest = if other.0 > nearest.0 { other } else { nearest };
+        let Nearest { what, limit, .. } = self.nearest(at);
+        let celsius = limit - 273.15;
+        match what {
+            What::Hot(what, name) => format!(
+                "the {what} passes its limit of validity, {name} = {limit} K ({celsius:.1} degC): overload or thermal runaway"
+            ),
+            What::NoTorque => format!(
+                "the temperature of the magnets passes that at which motor.alpha_mag makes the torque constant 0, {limit} K \
+                 ({celsius:.1} degC): overload or thermal runaway"
+            ),
+            What::Lowest => format!(
+                "the lowest temperature of winding and magnets passes its limit of validity, validity.lowest_temperature = {limit} K \
+                 ({celsius:.1} degC): heat is taken out by an input"
+            ),
         }
-        let (_, what, limit, cause) = nearest;
-        let equals = if what.ends_with(',') { "" } else { " =" };
-        format!("the {what}{equals} {limit} K ({:.1} degC): {cause}", limit - 273.15)
     }
 
     /// Report on the nearest limit at `time`, s, with `losses` and the heat flow `cooling` out of the motor, W: one
     /// sentence.
     pub fn sentence(&self, at: &Extremes, time: f64, [losses, cooling]: [f64; 2]) -> String {
-        let v = &self.validity;
-        let celsius = |t: f64| t - 273.15;
+        let Nearest { what, value, limit, excess } = self.nearest(at);
+        let (celsius, verb) = (value - 273.15, verb(excess));
         let heating = format!(
             "losses are {losses:.1} W and cooling removes {cooling:.1} W at this instant (overload or thermal runaway)"
         );
-        let hot = [
-            (
-                at.winding - v.winding_temperature,
-                "hottest phase of the winding",
-                at.winding,
-                v.winding_temperature,
-                "validity.winding_temperature",
+        let passing = match what {
+            What::Hot(what, name) => format!(
+                "{what}, {value:.1} K ({celsius:.1} degC), {verb} its limit of validity, {name} = {limit} K; {heating}"
             ),
-            (
-                at.magnets - v.magnet_temperature,
-                "temperature of the magnets",
-                at.magnets,
-                v.magnet_temperature,
-                "validity.magnet_temperature",
+            What::NoTorque => format!(
+                "temperature of the magnets, {value:.1} K ({celsius:.1} degC), {verb} {limit:.1} K, where the torque constant falls \
+                 to 0 by motor.alpha_mag; {heating}"
             ),
-        ];
-        let (excess, what, value, limit, name) = if hot[0].0 >= hot[1].0 { hot[0] } else { hot[1] };
-        if v.lowest_temperature - at.lowest >= excess.max(at.magnets - self.no_torque) {
-            return format!(
-                "The simulation ends at {time:.6} s: the lowest temperature of winding and magnets, {:.1} K, {} its limit of \
-                 validity, validity.lowest_temperature = {} K; heat is taken out by an input.",
-                at.lowest,
-                verb(v.lowest_temperature - at.lowest),
-                v.lowest_temperature
-            );
-        }
-        if at.magnets - self.no_torque >= excess {
-            return format!(
-                "The simulation ends at {time:.6} s: the temperature of the magnets, {:.1} K ({:.1} degC), {} {:.1} K, where the \
-                 torque constant falls to 0 by motor.alpha_mag; {heating}.",
-                at.magnets,
-                celsius(at.magnets),
-                verb(at.magnets - self.no_torque),
-                self.no_torque
-            );
-        }
-        format!(
-            "The simulation ends at {time:.6} s: the {what}, {value:.1} K ({:.1} degC), {} its limit of validity, {name} = \
-             {limit} K; {heating}.",
-            celsius(value),
-            verb(value - limit)
-        )
+            What::Lowest => format!(
+                "lowest temperature of winding and magnets, {value:.1} K, {verb} its limit of validity, validity.lowest_temperature = \
+                 {limit} K; heat is taken out by an input"
+            ),
+        };
+        format!("The simulation ends at {time:.6} s: the {passing}.")
     }
+}
+
+/// What a limit is of.
+enum What {
+    /// The hottest phase or the magnets: description, and the parameter with the limit.
+    Hot(&'static str, &'static str),
+    /// The magnets, without which there is no torque.
+    NoTorque,
+    /// The lowest temperature of winding and magnets.
+    Lowest,
+}
+
+/// A temperature at its limit, K.
+struct Nearest {
+    what: What,
+    value: f64,
+    limit: f64,
+    excess: f64,
 }
 
 /// What a temperature does at a limit that it exceeds by so many kelvin. A step that would pass the limit may end before it.

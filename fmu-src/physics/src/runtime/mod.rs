@@ -48,8 +48,8 @@ pub struct Runtime<M: Equations<N>, const N: usize> {
     /// Whether cached outputs and energy balance belong to the present time.
     has_outputs: bool,
     has_balance: bool,
-    /// The limit of validity at which the last step ended.
-    ended: Option<String>,
+    /// Whether the last step ended at a limit of validity.
+    ended: bool,
 }
 
 /// Indices of the groups of variables before the parameters.
@@ -77,7 +77,7 @@ impl<M: Equations<N>, const N: usize> Default for Runtime<M, N> {
             point: None,
             has_outputs: false,
             has_balance: false,
-            ended: None,
+            ended: false,
         }
     }
 }
@@ -195,7 +195,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
     /// A step; at a limit of validity it ends at the last time within the limit.
     #[inline]
     fn step_to_limit(&mut self, time: f64, h: f64) -> Result<(), Fault> {
-        self.ended = None;
+        self.ended = false;
         let halt = match self.step_over_events(time, h) {
             Ok(()) => return Ok(()),
             Err(Halt::Fault(fault)) if !M::IS_LIMITED => return Err(fault),
@@ -208,7 +208,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
             run.step_over_events(at, h)
         })?;
         self.clear_slopes();
-        self.ended = Some(M::passed_limit(self));
+        self.ended = true;
         Err(Fault(M::termination_reason(self, at)))
     }
 }

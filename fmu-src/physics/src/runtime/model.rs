@@ -163,8 +163,12 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
         self.step_to_limit(time, h)
     }
 
-    fn ended(&self) -> Option<&str> {
-        self.ended.as_deref()
+    fn ended(&self) -> bool {
+        self.ended
+    }
+
+    fn passed_limit(&self) -> Option<String> {
+        self.ended.then(|| M::passed_limit(self))
     }
 
     fn time(&self) -> f64 {

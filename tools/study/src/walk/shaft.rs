@@ -165,7 +165,7 @@ impl Shaft {
                     sentence.trim_end_matches('.'),
                     significant(peak)
                 );
-                if motor.ended().is_some() { StudyError::Unsettled(cause) } else { StudyError::new(cause) }
+                if motor.ended() { StudyError::Unsettled(cause) } else { StudyError::new(cause) }
             })?;
             self.done += 1;
             let winding = motor.get(self.slots.winding);
