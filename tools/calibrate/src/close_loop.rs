@@ -301,7 +301,8 @@ impl<'a> Search<'a> {
             .collect();
         let localised = self.localised();
         // What instruments may err by needs no other explanation.
-        let is_explained = instruments::explain_rest(self.setup, &self.first.fitted)?;
+        let is_explained =
+            instruments::explain_rest(self.setup, &self.first.fitted, &[Role::Fit, Role::Validate])?;
         let notes = std::mem::take(&mut self.notes);
         let mut judgement =
             Judgement { localised, candidate_table, notes, ..Judgement::of(Verdict::Nothing, &self.first) };

@@ -100,7 +100,7 @@ impl<'a> Setup<'a> {
     }
 
     /// The setup with a model that stops at its validity limits. The measured motor did not stop, so a stop refutes the model.
-    fn strict(&self) -> Self {
+    pub fn strict(&self) -> Self {
         let mut bench = (*self.bench).clone();
         bench.lenient = false;
         Setup { bench: Arc::new(bench), ..self.clone() }

@@ -73,28 +73,39 @@ struct Wrong {
     sure: f64,
 }
 
-/// The instrument of an input that explains the residual of a fit, if it explains more than `found` (an effect, or all that was found,
-/// decreases the cost by so much), and more than structure error can.
+/// The instrument of an input that explains the residual of a fit, in all or one of its runs or in the validation runs, if it explains more
+/// than `found` (an effect, or all that was found, decreases the cost by so much), and more than structure error can.
 ///
 /// # Errors
 /// The message of the model if it cannot be run.
-pub fn explains(point: &Linearization, found: f64) -> Result<Option<Unusable>, CalibrateError> {
+pub fn explains(
+    point: &Linearization,
+    places: &[Vec<usize>],
+    found: f64,
+) -> Result<Option<Unusable>, CalibrateError> {
     let least = found.max(DECISIVE);
     // A first fit far from the truth shows a part of it only.
-    let likely = likely(point).into_iter().filter(|wrong| wrong.sure > least * HALF);
+    let likely = likely(point, places).into_iter().filter(|wrong| wrong.sure > least * HALF);
     let Some(wrong) = likely.max_by(|a, b| a.sure.total_cmp(&b.sure)) else { return Ok(None) };
     let wrong = fitted(point, wrong)?;
     let is_seen = wrong.correction.abs() > STRUCTURE * size(point.setup, &wrong);
     Ok((wrong.sure > least && is_seen).then(|| sentence(point.setup, &wrong)))
 }
 
+/// All these runs, and each of them.
+pub fn places(runs: &[usize]) -> Vec<Vec<usize>> {
+    let single = runs.iter().map(|run| vec![*run]).filter(|_| runs.len() > 1);
+    std::iter::once(runs.to_vec()).chain(single).filter(|place| !place.is_empty()).collect()
+}
+
 fn sentence(setup: &Setup, wrong: &Wrong) -> Unusable {
     let (experiment, channel) = (setup.experiment, setup.experiment.inputs[wrong.input]);
-    let (place, also) = match wrong.runs[..] {
-        [one] if experiment.runs.len() > 1 => {
-            (experiment.runs[one].file.as_str(), "; this run may also be of another motor")
-        }
-        _ => ("every run", ""),
+    let is_everywhere = wrong.runs.len() == experiment.runs.len();
+    let files: Vec<&str> = wrong.runs.iter().map(|run| experiment.runs[*run].file.as_str()).collect();
+    let (place, also) = if is_everywhere {
+        ("every run".to_string(), "")
+    } else {
+        (files.join(", "), "; what disagrees with the other runs may also be of another motor")
     };
     let (column, unit) = (channel.column, channel.unit.name());
     let (change, suggestion) = match wrong.fault {
@@ -134,14 +145,11 @@ fn faults(channel: &Channel) -> &'static [Fault] {
     }
 }
 
-/// To first order, each fault of each input in all runs and in each one.
-fn likely(point: &Linearization) -> Vec<Wrong> {
+/// To first order, each fault of each input in each place.
+fn likely(point: &Linearization, places: &[Vec<usize>]) -> Vec<Wrong> {
     let inputs = point.setup.experiment.inputs.iter().enumerate();
     let all: Vec<(usize, Fault)> =
         inputs.flat_map(|(k, channel)| faults(channel).iter().map(move |fault| (k, *fault))).collect();
-    let single: Vec<Vec<usize>> =
-        point.runs.iter().map(|run| vec![*run]).filter(|_| point.runs.len() > 1).collect();
-    let places: Vec<&Vec<usize>> = std::iter::once(&point.runs).chain(&single).collect();
     let price = point.per_number() + 2.0 * ((all.len() * places.len()) as f64).ln();
     let of = |(input, fault): (usize, Fault), runs: &Vec<usize>| {
         let gain = point.evidence.gain(&point.input_column(input, runs, |x| fault.slope(x))?)?;
@@ -223,7 +231,7 @@ mod tests {
         let setup = Setup::new(&experiment, &[]).unwrap();
         let fitted = setup.fit(setup.preset(), &[0]).unwrap();
         let point = Linearization::new(&setup, fitted, &[0]).unwrap();
-        explains(&point, crate::search::search(&point)[0].sure()).unwrap()
+        explains(&point, &places(&[0]), crate::search::search(&point)[0].sure()).unwrap()
     }
 
     const CURRENT: (&str, f64, f64) = ("current_A", 1.0, 190.0);
@@ -257,6 +265,48 @@ mod tests {
                 .unwrap_or_else(|| panic!("{input} {gain}"));
             let factor = number_after(&why.reason, " by ");
             assert!((factor * gain - 1.0).abs() < 0.05, "{gain}: {}", why.reason);
+        }
+    }
+
+    /// In the validation run alone, with and without an effect in all runs.
+    #[test]
+    fn an_error_in_a_validation_run_is_found_there() {
+        for (effect, input, gain, zero) in [
+            (None, 0, 1.0, 0.25),
+            (None, 1, 0.85, 0.0),
+            (Some(("viscous_friction", 2e-5)), 0, 1.2, 0.0),
+            (Some(("viscous_friction", 2e-5)), 0, 1.0, 0.0),
+            (None, 0, 1.0, 0.0),
+        ] {
+            let mut experiment = testing::driven_by(CURRENT, &testing::OUTPUTS, PRIORS, true);
+            let mut second = experiment.runs[0].clone();
+            (second.file, second.role) = ("second.csv".to_string(), Role::Validate);
+            for column in &mut second.table.columns[..2] {
+                column.reverse();
+            }
+            experiment.runs.push(second);
+            testing::read_of(&mut experiment, |setup| {
+                let additions =
+                    effect.map(|(id, size)| testing::addition(setup, id, size)).into_iter().collect();
+                setup.change(&Hypothesis { additions, ..setup.preset() }, 0)
+            });
+            experiment.runs[1].table.columns[input].iter_mut().for_each(|x| *x = gain * *x + zero);
+            let setup = Setup::new(&experiment, &[]).unwrap();
+            // The search has found the effect in the fit run.
+            let additions =
+                effect.map(|(id, size)| testing::addition(&setup, id, size)).into_iter().collect();
+            let own = setup.fit(Hypothesis { additions, ..setup.preset() }, &[0]).unwrap();
+            let both = setup.judged(own.hypothesis, &[0, 1]).unwrap();
+            let point = Linearization::judged(&setup, both, &[0, 1]).unwrap();
+            let said = explains(&point, &places(&[1]), 0.0).unwrap();
+            let expected = gain != 1.0 || zero != 0.0;
+            assert_eq!(said.is_some(), expected, "{effect:?} {input} {gain} {zero}: {said:?}");
+            let words = if gain == 1.0 { (" if ", zero) } else { (" by ", 1.0 / gain) };
+            if let Some(why) = said {
+                assert!(why.reason.contains("in second.csv"), "{}", why.reason);
+                let shown = number_after(&why.reason, words.0);
+                assert!((shown / words.1 - 1.0).abs() < 0.05, "{}", why.reason);
+            }
         }
     }
 

@@ -38,18 +38,19 @@ pub fn is_beyond(setup: &Setup, runs: &[usize], output: usize, [with, without]: 
     with - without > error(setup.experiment, runs, output).powi(2) * count as f64
 }
 
-/// Whether what a fit without effects leaves of the fit runs and of the validation runs, beyond the noise, is within the error of instruments.
+/// Whether what a fit leaves of the runs with these roles, beyond the noise, is within the error of instruments.
 ///
 /// # Errors
 /// The message of the model if it cannot be run.
-pub fn explain_rest(setup: &Setup, refit: &Fitted) -> Result<bool, CalibrateError> {
-    let left = |role: Role| -> Result<f64, CalibrateError> {
-        let runs = setup.runs(role);
-        let squares = setup.squares(&runs, &setup.show(&refit.hypothesis, &runs)?).into_iter().enumerate();
+pub fn explain_rest(setup: &Setup, fitted: &Fitted, roles: &[Role]) -> Result<bool, CalibrateError> {
+    let mut all = true;
+    for role in roles {
+        let runs = setup.runs(*role);
+        let squares = setup.squares(&runs, &setup.show(&fitted.hypothesis, &runs)?).into_iter().enumerate();
         let squares = squares.map(|(k, (square, count))| square / count as f64 - setup.sigma(k).powi(2));
-        Ok(greatest(setup, &runs, squares))
-    };
-    Ok(left(Role::Fit)?.max(left(Role::Validate)?) < 1.0)
+        all &= greatest(setup, &runs, squares) < 1.0;
+    }
+    Ok(all)
 }
 
 fn greatest(setup: &Setup, runs: &[usize], squares: impl Iterator<Item = f64>) -> f64 {

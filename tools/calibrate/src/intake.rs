@@ -21,6 +21,7 @@ mod drifts;
 mod first_rows;
 mod gaps;
 mod misplaced;
+mod odd_file;
 mod pulses;
 mod response;
 mod saturated;
@@ -68,6 +69,9 @@ pub fn check(
 ) -> Result<bool, Refusal> {
     let agrees = sensors(experiment, preset, deadline)?;
     let mut unusable = clocks::check(experiment, preset, deadline)?.or_else(|| nothing_left(experiment));
+    if unusable.is_none() {
+        unusable = odd_file::check(experiment, preset, deadline)?;
+    }
     if unusable.is_none() && !agrees {
         unusable = consistency::contradicting_value(experiment, preset, deadline)?;
     }
@@ -87,8 +91,12 @@ pub fn check(
 fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<bool, Refusal> {
     clipped::outputs(experiment);
     enough(experiment)?;
-    let unusable = outside_limits(experiment).or_else(|| copies::repeated(experiment));
-    if let Some(unusable) = unusable.or_else(|| clipped::input(experiment)) {
+    let unusable = outside_limits(experiment)
+        .or_else(|| copies::repeated(experiment))
+        .or_else(|| copies::of_another_file(experiment))
+        .or_else(|| clipped::input(experiment))
+        .or_else(|| consistency::wrapped::found(experiment, preset, deadline));
+    if let Some(unusable) = unusable {
         return Err(Refusal::Unusable(unusable));
     }
     converter::set_aside(experiment);

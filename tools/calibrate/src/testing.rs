@@ -78,18 +78,20 @@ pub fn read(experiment: &mut Experiment, declared: &[f64], term: Option<GenericT
 
 /// Fills the run with readings simulated with a change.
 pub fn read_of(experiment: &mut Experiment, change: impl Fn(&Setup) -> Override) {
-    let columns = {
+    let all: Vec<Vec<Vec<f64>>> = {
         let setup = Setup::new(experiment, &[]).unwrap().exact();
-        setup.bench.run(&setup.drives[0], &change(&setup)).unwrap()
+        setup.drives.iter().map(|drive| setup.bench.run(drive, &change(&setup)).unwrap()).collect()
     };
     let inputs = experiment.inputs.len();
-    experiment.runs[0].table.columns.splice(inputs.., columns);
+    for (run, columns) in experiment.runs.iter_mut().zip(all) {
+        run.table.columns.splice(inputs.., columns);
+    }
 }
 
 /// Listed effect with its size.
 pub fn addition(setup: &Setup, id: &str, size: f64) -> Addition {
     let listed = crate::catalogue::LISTED.iter().find(|l| l.id == id).unwrap();
-    let mut addition = listed.addition(setup, &[true]).unwrap();
+    let mut addition = listed.addition(setup, &vec![true; setup.experiment.runs.len()]).unwrap();
     addition.numbers[0].value = size;
     addition
 }

@@ -5,7 +5,8 @@
 //! `fmu-src/fmu/tests/common`). Every function of both interfaces is called. These tests are ignored, with the reason beside them:
 //! - `an_absurd_input_derivative_ends_the_step` and `a_step_without_solution_is_discarded_and_changes_nothing` take up to a million steps
 //!   of the integrator until a step fails;
-//! - `the_error_follows_the_tolerance` measures the accuracy of the integrator; the other tests of the tolerance make the same calls.
+//! - `the_error_follows_the_tolerance` and `settled_states_follow_the_others` measure the accuracy of the integrator; the other tests beside
+//!   them make the same calls.
 
 use crate::{Outcome, shell, workspace::Workspace};
 use std::process::Command;

@@ -2,8 +2,11 @@
 
 use super::Search;
 use crate::CalibrateError;
+use crate::acting::acting;
+use crate::experiment::Role;
 use crate::hypothesis::Addition;
 use crate::input_error;
+use crate::instruments;
 use crate::levels::{LEAD, NEARLY};
 use crate::linearization::Linearization;
 use crate::outcome::{Follows, Unusable};
@@ -61,11 +64,31 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The instrument of an input whose zero or gain explains more than all additions do, and than any candidate by itself.
+    /// The instrument of an input whose zero or gain explains more than all additions do, and than any candidate by itself; in the validation
+    /// runs, more than all additions do there and in the fit runs, or what these leave there alone.
     pub(super) fn error_of_an_input(&self) -> Result<Option<Unusable>, CalibrateError> {
         let found: f64 = self.rounds.iter().filter_map(Round::winner).map(Candidate::sure).sum();
         let alone = self.scored[0].iter().filter(|s| s.addition.is_some()).map(Scored::sure);
-        input_error::explains(&self.first, alone.fold(found, f64::max))
+        let of_fit = input_error::places(&self.first.runs);
+        let in_fit = input_error::explains(&self.first, &of_fit, alone.fold(found, f64::max))?;
+        let of_validation = input_error::places(&self.setup.runs(Role::Validate));
+        if in_fit.is_some() || of_validation.is_empty() {
+            return Ok(in_fit);
+        }
+        let all: Vec<usize> = self.first.runs.iter().chain(&of_validation[0]).copied().collect();
+        let over = |point: &Linearization| -> Result<Linearization<'a>, CalibrateError> {
+            let mut hypothesis = point.fitted.hypothesis.clone();
+            acting(self.setup, &mut hypothesis, &of_validation[0])?;
+            Linearization::judged(self.setup, self.setup.judged(hypothesis, &all)?, &all)
+        };
+        let (first, with) = (over(&self.first)?, over(self.point())?);
+        let (white, raw) = with.explains(&first);
+        let instead = input_error::explains(&first, &of_validation, white.min(raw))?;
+        let is_whole = || instruments::explain_rest(self.setup, &self.point().fitted, &[Role::Fit]);
+        if instead.is_some() || self.taken().is_none() || !is_whole()? {
+            return Ok(instead);
+        }
+        input_error::explains(&with, &of_validation, 0.0)
     }
 
     /// Appends a round; returns whether it has an accepted candidate.

@@ -19,7 +19,7 @@ mod agreement;
 mod profile;
 
 use super::consistency::thinned;
-use super::{Unusable, mean_square, median, structured};
+use super::{Unusable, all_runs, mean_square, median, structured};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role};
@@ -88,9 +88,31 @@ pub fn check(
     preset: &[(u32, f64)],
     deadline: &Deadline,
 ) -> Result<Option<Unusable>, CalibrateError> {
+    in_runs(experiment, &all_runs(experiment), preset, deadline)
+}
+
+/// The same for a clock that has an offset in these runs: without the others, all of them are fitted.
+///
+/// # Errors
+/// An experiment whose model cannot be set up.
+pub fn in_runs(
+    experiment: &mut Experiment,
+    runs: &[usize],
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Result<Option<Unusable>, CalibrateError> {
+    let is_whole = runs.len() == experiment.runs.len();
+    let files: Vec<&str> = runs.iter().map(|run| experiment.runs[*run].file.as_str()).collect();
+    let files = files.join(", ");
+    let place = if is_whole { String::new() } else { format!(" in {files}") };
     for _ in 0..experiment.outputs.len() {
-        let thin = thinned(experiment, ROWS);
-        let Some(shift) = search(&thin, interval(experiment), preset, deadline)? else { return Ok(None) };
+        let mut own = experiment.clone();
+        own.runs = runs.iter().map(|run| experiment.runs[*run].clone()).collect();
+        if !is_whole {
+            own.runs.iter_mut().for_each(|run| run.role = Role::Fit);
+        }
+        let thin = thinned(&own, ROWS);
+        let Some(shift) = search(&thin, interval(&own), preset, deadline)? else { return Ok(None) };
         let words = |column: &str| {
             let side = if shift.late > 0.0 { "late" } else { "early" };
             let (a, b) = (shift.interval.0.abs(), shift.interval.1.abs());
@@ -104,13 +126,11 @@ pub fn check(
         let (channel, reason) = match shift.who {
             Who::Output(k) => {
                 let column = experiment.outputs[k].column;
-                let place = experiment.place_of(k);
-                experiment.runs.iter_mut().for_each(|r| r.table.columns[place].fill(f64::NAN));
-                let files: Vec<&str> = experiment.runs.iter().map(|r| r.file.as_str()).collect();
+                let column_of = experiment.place_of(k);
+                runs.iter().for_each(|run| experiment.runs[*run].table.columns[column_of].fill(f64::NAN));
                 experiment.notes.push(format!(
-                    "{} in {}, which no lag of its sensor explains; it is set aside: move its times, or give all channels one clock",
-                    words(column),
-                    files.join(", ")
+                    "{} in {files}, which no lag of its sensor explains; it is set aside: move its times, or give all channels one clock",
+                    words(column)
                 ));
                 continue;
             }
@@ -122,7 +142,7 @@ pub fn check(
         };
         return Ok(Some(Unusable {
             channel: channel.to_string(),
-            reason,
+            reason: format!("{reason}{place}"),
             suggestion: "give all columns one clock: move the times of the column that is late or early"
                 .to_string(),
         }));

@@ -39,6 +39,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 mod unmeasured;
+pub mod wrapped;
 
 use super::{Predicted, Unusable, sorted};
 use crate::CalibrateError;
@@ -380,7 +381,7 @@ fn mistaken(
 }
 
 /// The files and their runs.
-fn files(experiment: &Experiment) -> Vec<(&str, Vec<usize>)> {
+pub(super) fn files(experiment: &Experiment) -> Vec<(&str, Vec<usize>)> {
     let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
     for (k, run) in experiment.runs.iter().enumerate() {
         match files.iter_mut().find(|(file, _)| *file == run.file) {

@@ -1,7 +1,8 @@
-//! Two columns with the same readings: one sensor that was recorded twice.
+//! Two columns with the same readings: one sensor that was recorded twice, or the readings of another file.
 //!
 //! Two sensors have noise of their own, and the nodes of a motor differ by their heat flow. Readings that are equal in nearly all rows in which
 //! either changes are therefore those of one sensor; which one, the readings do not say.
+//! The same holds for the readings of an output in two files, if an input of the two differs in these rows.
 
 use super::Unusable;
 use crate::experiment::Experiment;
@@ -32,6 +33,36 @@ pub fn repeated(experiment: &Experiment) -> Option<Unusable> {
     })
 }
 
+/// An output with the same readings in two files, row by row, although an input differs.
+pub fn of_another_file(experiment: &Experiment) -> Option<Unusable> {
+    let (runs, inputs) = (&experiment.runs, experiment.inputs.len());
+    let pairs = (0..runs.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+    pairs.filter(|(a, b)| runs[*a].file != runs[*b].file).find_map(|(a, b)| {
+        let is_same = |k: usize| {
+            let [first, second] = [a, b].map(|run| &runs[run].table.columns[k]);
+            let rows = first.len().min(second.len());
+            is_copy(&first[..rows], &second[..rows])
+        };
+        let is_other = |k: usize| {
+            let differs = |(x, y): (&f64, &f64)| x.is_finite() && y.is_finite() && x != y;
+            runs[a].table.columns[k].iter().zip(&runs[b].table.columns[k]).any(differs)
+        };
+        let copied: Vec<usize> = (0..experiment.outputs.len()).filter(|k| is_same(inputs + k)).collect();
+        let first = experiment.outputs[*copied.first()?].column;
+        let names: Vec<&str> = copied.iter().map(|k| experiment.outputs[*k].column).collect();
+        (0..inputs).any(is_other).then(|| Unusable {
+            channel: first.to_string(),
+            reason: format!(
+                "{} in {} and in {} are the same readings, row by row, although the inputs differ: one of the files has the readings of the other",
+                names.join(", "),
+                runs[a].file,
+                runs[b].file
+            ),
+            suggestion: format!("export {} and {} again, each with its own readings", runs[a].file, runs[b].file),
+        })
+    })
+}
+
 /// Whether two columns are equal in nearly all rows in which either changes.
 fn is_copy(a: &[f64], b: &[f64]) -> bool {
     let rows: Vec<(f64, f64)> =
@@ -46,6 +77,30 @@ fn is_copy(a: &[f64], b: &[f64]) -> bool {
 mod tests {
     use super::*;
     use crate::intake::tests::{HOUSING, VOLTAGE, WINDING, column, experiment};
+
+    /// One or all outputs, also if one file is shorter; two runs of a simulation with the same inputs are none.
+    #[test]
+    fn readings_of_another_file_are_unusable() {
+        let two = |seed: u64, copied: &[usize], rows: usize| {
+            let (mut own, other) = (experiment(seed), experiment(seed + 1));
+            let mut second = other.runs[0].clone();
+            second.file = "other.csv".to_string();
+            for k in copied {
+                second.table.columns[*k] = own.runs[0].table.columns[*k].clone();
+            }
+            second.table.time.truncate(rows);
+            second.table.columns.iter_mut().for_each(|column| column.truncate(rows));
+            own.runs.push(second);
+            of_another_file(&own)
+        };
+        let all = experiment(44).runs[0].table.columns.len();
+        assert_eq!(two(44, &[], all), None);
+        for (copied, rows) in [(vec![WINDING], 2000), (vec![WINDING, HOUSING], 150), (vec![VOLTAGE], 2000)] {
+            let why = two(44, &copied, rows).unwrap_or_else(|| panic!("{copied:?}"));
+            assert!(why.reason.contains("other.csv"), "{}", why.reason);
+        }
+        assert_eq!(two(44, &(0..all).collect::<Vec<_>>(), 2000), None, "the same inputs");
+    }
 
     #[test]
     fn a_column_that_repeats_another_is_unusable() {

@@ -97,7 +97,27 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
     let refused = of_instruments.or(of_density).or(of_nothing).or(of_parts).or(of_output);
+    let refused = if refused.is_none() { ends(before, candidate)? } else { refused };
     Ok(Judged { validation, refused })
+}
+
+/// Sentence on a run that the model ends at a limit of validity with a candidate and not without: the motor was run to its last row. Of the
+/// runs that are not fitted the inputs are enough.
+fn ends(before: &Linearization, candidate: &Candidate) -> Result<Option<String>, CalibrateError> {
+    let judge = before.setup.strict().until(Deadline::default());
+    let runs: Vec<usize> =
+        (0..judge.experiment.runs.len()).filter(|run| !before.runs.contains(run)).collect();
+    let [without, with] = [before, &candidate.point].map(|p| judge.show_to_end(&p.fitted.hypothesis, &runs));
+    let pairs = runs.iter().zip(without?.into_iter().zip(with?));
+    let ended =
+        |(run, ((_, without), (_, with))): (&usize, ((Shown, Option<String>), (Shown, Option<String>)))| {
+            let why = with.filter(|_| without.is_none())?;
+            Some(format!(
+                "the model does not reach the last row of {} with it. {why}",
+                judge.experiment.runs[*run].file
+            ))
+        };
+    Ok(pairs.filter_map(ended).next())
 }
 
 /// Reason why a candidate is no physical explanation of the fit runs, whatever it predicts.

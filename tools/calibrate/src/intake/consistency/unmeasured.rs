@@ -110,7 +110,7 @@ fn signed(
 }
 
 /// Prediction of a motor that hardly warms up: a voltage with the wrong sign would overheat it, so that it cannot be simulated.
-fn cold(judge: &Judge, experiment: &Experiment) -> Predicted {
+pub(super) fn cold(judge: &Judge, experiment: &Experiment) -> Predicted {
     let mut cold = experiment.clone();
     for name in ["thermal.C_w", "thermal.C_h"] {
         if let Some(entry) = super::super::declaration(experiment).and_then(|all| all.by_name(name)) {
@@ -139,6 +139,28 @@ fn is_constant(judge: &Judge, experiment: &Experiment, k: usize) -> bool {
     is_measured && readings.all(|x| Some(x) == first)
 }
 
+/// Derivatives of all outputs by an input, by run, output and row, with this prediction of the data; blank where they determine no input.
+pub(super) fn slopes(
+    judge: &Judge,
+    experiment: &Experiment,
+    (predicted, predict): (&Predicted, &dyn Fn(&Experiment) -> Predicted),
+    column: usize,
+) -> Option<Predicted> {
+    let row = super::super::declaration(experiment)?.by_name(experiment.inputs[column].input?)?.row;
+    let way = MOVE * row.nominal;
+    let mut moved = experiment.clone();
+    for run in judge.runs {
+        moved.runs[*run].table.columns[column].iter_mut().for_each(|u| *u += way);
+    }
+    let mut all = predict(&moved);
+    for (slopes, shown) in all.iter_mut().flatten().zip(predicted.iter().flatten()) {
+        slopes.iter_mut().zip(shown).for_each(|(b, a)| *b = (*b - a) / way);
+        let least = FLAT * slopes.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
+        slopes.iter_mut().filter(|s| s.abs() <= least).for_each(|s| *s = f64::NAN);
+    }
+    Some(all)
+}
+
 /// The data with the input values implied by an output, without this output.
 fn implied(
     judge: &Judge,
@@ -155,20 +177,12 @@ fn implied(
         if judge.deadline.is_over() {
             return None;
         }
-        let mut moved = changed.clone();
-        let way = MOVE * row.nominal;
-        for run in judge.runs {
-            moved.runs[*run].table.columns[column].iter_mut().for_each(|u| *u += way);
-        }
-        let aside = judge.predicted(&moved);
+        let slopes = slopes(judge, &changed, (&shown, &|data| judge.predicted(data)), column)?;
         for (n, run) in judge.runs.iter().enumerate() {
-            let slopes: Vec<f64> =
-                aside[n].get(output)?.iter().zip(&shown[n][output]).map(|(b, a)| (b - a) / way).collect();
-            let greatest = slopes.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
             let table = &mut changed.runs[*run].table;
-            for (k, slope) in slopes.iter().enumerate() {
+            for (k, slope) in slopes[n].get(output)?.iter().enumerate() {
                 let off = table.columns[by][k] - shown[n][output][k];
-                if off.is_finite() && slope.abs() > FLAT * greatest {
+                if (off / slope).is_finite() {
                     let value = table.columns[column][k] + off / slope;
                     table.columns[column][k] = value.clamp(row.min, row.max);
                 }
