@@ -128,6 +128,8 @@ pub struct Experiment {
     pub noise: BTreeMap<&'static str, f64>,
     /// The runs.
     pub runs: Vec<Run>,
+    /// The file without which the declared parameters describe all other fit and validation runs, if there is one.
+    pub odd_file: Option<String>,
     /// Warnings.
     pub notes: Vec<String>,
     /// Columns and their headers from `[columns]`.
@@ -331,6 +333,7 @@ impl Experiment {
             set,
             priors,
             released: Vec::new(),
+            odd_file: None,
             noise,
             runs,
             notes,

@@ -459,9 +459,13 @@ pub fn mean_square(experiment: &Experiment, runs: &[usize], output: usize) -> (f
 
 /// Difference of the greatest and the least number; 0 without any.
 fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let ends = values.filter(|x| x.is_finite());
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let (low, high) = ends(values.filter(|x| x.is_finite()));
     (high - low).max(0.0)
+}
+
+/// The least and the greatest number.
+fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 
 /// Sorted copy of the finite values.

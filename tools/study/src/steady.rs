@@ -205,6 +205,7 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
         return Err(none("it needs thermal.T_w_max and a commanded current or a load".to_owned()));
     };
     let limit = bench.get("thermal.T_w_max")?;
+    let celsius = significant(limit - 273.15);
     let (greatest, unit) = (bench.entry(command)?.row.max, bench.entry(command)?.row.unit.name());
     bench.start()?;
     // Each search starts from the last steady state, which is nearer than the cold motor.
@@ -223,7 +224,7 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
     if idle >= 0.0 {
         let without = if unit == "A" { "current" } else { "load" };
         return Err(none(format!(
-            "without {without} the winding is {idle:.1} K above its limit of {limit} K"
+            "without {without} the winding is {idle:.1} K above its limit of {celsius} degC"
         )));
     }
     let (mut low, mut high) = (0.0, 1.0);
@@ -231,11 +232,13 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
         (low, high) = (high, 4.0 * high);
         if high.sqrt() > greatest {
             let at = low.sqrt();
-            return Err(none(format!("even {at:.0} {unit} keep the winding below its limit of {limit} K")));
+            return Err(none(format!(
+                "even {at:.0} {unit} keep the winding below its limit of {celsius} degC"
+            )));
         }
     }
     let square = try_root(&mut excess, low, high, TOLERANCE * high)?
-        .ok_or_else(|| StudyError::new(format!("{name}: nothing brings the winding to {limit} K")))?;
+        .ok_or_else(|| StudyError::new(format!("{name}: nothing brings the winding to {celsius} degC")))?;
     excess(square)?;
     let torque_density = match settled.knows("torque_density", None) {
         true => Some(settled.get("torque_density")?),

@@ -37,13 +37,14 @@ pub fn check(
     let known = experiment.notes.len();
     let unusable = clocks::in_runs(experiment, &runs, preset, deadline)?;
     if unusable.is_none() && experiment.notes.len() == known {
+        let file = experiment.runs[runs[0]].file.clone();
         experiment.notes.push(format!(
-            "{} disagrees with the other runs: without it the declared parameters alone describe the fit and validation runs, with a residual \
+            "{file} disagrees with the other runs: without it the declared parameters alone describe the fit and validation runs, with a residual \
              beyond the noise that is {} times smaller than without any other run; either it shows what the others do not, or one of its \
              channels is wrong, or it is of another motor",
-            experiment.runs[runs[0]].file,
             digits(ratio)
         ));
+        experiment.odd_file = Some(file);
     }
     Ok(unusable)
 }

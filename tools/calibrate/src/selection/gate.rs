@@ -107,17 +107,17 @@ fn ends(before: &Linearization, candidate: &Candidate) -> Result<Option<String>,
     let judge = before.setup.strict().until(Deadline::default());
     let runs: Vec<usize> =
         (0..judge.experiment.runs.len()).filter(|run| !before.runs.contains(run)).collect();
-    let [without, with] = [before, &candidate.point].map(|p| judge.show_to_end(&p.fitted.hypothesis, &runs));
-    let pairs = runs.iter().zip(without?.into_iter().zip(with?));
-    let ended =
-        |(run, ((_, without), (_, with))): (&usize, ((Shown, Option<String>), (Shown, Option<String>)))| {
-            let why = with.filter(|_| without.is_none())?;
-            Some(format!(
-                "the model does not reach the last row of {} with it. {why}",
-                judge.experiment.runs[*run].file
-            ))
-        };
-    Ok(pairs.filter_map(ended).next())
+    let ends = |point: &Linearization| -> Result<Vec<Option<String>>, CalibrateError> {
+        let shown = judge.show_to_end(&point.fitted.hypothesis, &runs)?;
+        Ok(shown.into_iter().map(|(_, why)| why).collect())
+    };
+    let (without, with) = (ends(before)?, ends(&candidate.point)?);
+    let files = runs.iter().map(|run| &judge.experiment.runs[*run].file);
+    let mut ended = files.zip(without.into_iter().zip(with)).filter_map(|(file, (without, with))| {
+        let why = with.filter(|_| without.is_none())?;
+        Some(format!("the model does not reach the last row of {file} with it. {why}"))
+    });
+    Ok(ended.next())
 }
 
 /// Reason why a candidate is no physical explanation of the fit runs, whatever it predicts.
@@ -127,6 +127,7 @@ pub fn implausible(before: &Linearization, candidate: &Candidate) -> Option<Stri
         return Some(format!("{} would have to be negative", addition.numbers[0].symbol));
     }
     at_limit(addition)
+        .or_else(|| of_one_file(before, candidate))
         .or_else(|| to_a_limit(before, candidate))
         .or_else(|| within_calibration(candidate))
         .or_else(|| unlike(candidate))
@@ -146,6 +147,16 @@ fn outweighs(before: &Linearization, with: &Linearization) -> bool {
     pairs.into_iter().any(|(output, ((without, count), (with, _)))| {
         let (size, _) = mean_square(setup.experiment, &before.runs, output);
         with < LARGE * without && without - with > STRUCTURE * STRUCTURE * size * count as f64
+    })
+}
+
+/// Sentence on a law of all runs that only one of the files asks for. What a listed effect does elsewhere is known from its form; a law is what its
+/// readings make it, and they may be wrong.
+fn of_one_file(before: &Linearization, candidate: &Candidate) -> Option<String> {
+    let file = before.setup.experiment.odd_file.as_ref()?;
+    let addition = candidate.addition();
+    (!addition.is_listed() && addition.active.iter().all(|on| *on)).then(|| {
+        format!("is asked for by {file} alone: without this file the parameters describe the other runs, and it may be wrong")
     })
 }
 

@@ -11,12 +11,12 @@
 //! may be greater than half of the span.
 
 use super::unmeasured::{cold, slopes};
-use super::{Judge, ROUNDING, ROWS, files, thinned, worst};
+use super::{Judge, Predicted, ROUNDING, files};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment};
-use crate::intake::{Unusable, all_runs, median};
-use crate::levels::{FACTOR, PART, SMALL, STRUCTURE};
+use crate::intake::{Unusable, all_runs, ends, median};
+use crate::levels::{FACTOR, SMALL, STRUCTURE};
 use nalgebra::{DMatrix, DVector};
 use physics::declare::Unit;
 
@@ -63,7 +63,7 @@ fn in_file(judge: &Judge, experiment: &Experiment) -> Option<(&'static Channel, 
         };
         pairs.map(of).collect()
     };
-    let mut folds: Vec<(&Channel, Fold)> = Vec::new();
+    let mut folds: Vec<(&'static Channel, Fold)> = Vec::new();
     for (column, channel) in experiment.inputs.iter().enumerate().filter(|(_, channel)| is_load(channel)) {
         if judge.deadline.is_near() {
             return None;
@@ -74,8 +74,11 @@ fn in_file(judge: &Judge, experiment: &Experiment) -> Option<(&'static Channel, 
                 off.iter().zip(&slopes[by]).map(|(off, slope)| -off / slope).collect()
             };
             let off: Vec<Vec<f64>> = off(by).into_iter().zip(&slopes).map(of).collect();
-            let fold = fold(judge, experiment, column, &off);
-            folds.extend(fold.filter(|fold| agrees(judge, &fold.unfolded)).map(|fold| (*channel, fold)));
+            let Some(fold) = fold(judge, experiment, column, &off) else { continue };
+            let after = predict(&fold.unfolded);
+            if confirms(judge, experiment, (column, &fold.unfolded), [&predicted, &after]) {
+                folds.push((*channel, fold));
+            }
         }
     }
     // Other mistakes of an input make a smooth output deviate in some rows.
@@ -104,19 +107,35 @@ fn is_load(channel: &Channel) -> bool {
     !channel.is_temperature() && !matches!(channel.unit, Unit::One | Unit::Pascal)
 }
 
-/// Whether all outputs agree with an unfolded input.
-fn agrees(judge: &Judge, unfolded: &Experiment) -> bool {
-    let thin = thinned(unfolded, ROWS);
-    worst(&judge.outputs(&thin, &judge.predicted(&thin))) < PART
+/// Whether the unfolded rows of an input confirm it: no output that follows the input at once deviates more there, and one far less.
+fn confirms(
+    judge: &Judge,
+    experiment: &Experiment,
+    (column, unfolded): (usize, &Experiment),
+    [before, after]: [&Predicted; 2],
+) -> bool {
+    let of = |output: usize, shown: &Predicted| -> f64 {
+        let squares = judge.runs.iter().zip(shown).flat_map(|(run, shown)| {
+            let [folded, own] = [experiment, unfolded].map(|data| &data.runs[*run].table.columns[column]);
+            let is_changed = folded.iter().zip(own).map(|(a, b)| a != b);
+            let off =
+                experiment.readings(*run, output).iter().zip(&shown[output]).map(|(y, p)| (y - p).powi(2));
+            is_changed.zip(off).filter(|(is_changed, off)| *is_changed && !off.is_nan()).map(|(_, off)| off)
+        });
+        squares.sum::<f64>().sqrt()
+    };
+    let direct = (0..experiment.outputs.len()).filter(|k| !experiment.outputs[*k].is_temperature());
+    let pairs: Vec<(f64, f64)> = direct.map(|k| (of(k, before), of(k, after))).collect();
+    pairs.iter().all(|(before, after)| after <= before)
+        && pairs.iter().any(|(before, after)| FACTOR * after < *before)
 }
+
+/// What the model implies beyond a reading, and what explains it: 1, the reading, and the other inputs.
+type Row = (f64, Vec<f64>);
 
 /// The fold of a column, if (1) is the explanation of what the model implies beyond its readings, by run and row.
 fn fold(judge: &Judge, experiment: &Experiment, column: usize, off: &[Vec<f64>]) -> Option<Fold> {
-    let readings = |run: &usize| &experiment.runs[*run].table.columns[column];
-    let all = judge.runs.iter().flat_map(|run| readings(run)).copied().filter(|x| x.is_finite());
-    let ends = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| (least.min(x), most.max(x)));
-    let used = ends.1 - ends.0;
-    let mut rows: Vec<(f64, Vec<f64>)> = Vec::new();
+    let mut rows: Vec<Row> = Vec::new();
     for (run, off) in judge.runs.iter().zip(off) {
         let columns = &experiment.runs[*run].table.columns;
         let others = (0..experiment.inputs.len()).filter(|k| *k != column);
@@ -126,57 +145,57 @@ fn fold(judge: &Judge, experiment: &Experiment, column: usize, off: &[Vec<f64>])
         let own = off.iter().enumerate().map(|(row, off)| (*off, known(row)));
         rows.extend(own.filter(|(off, known)| known.iter().fold(*off, |sum, x| sum + x).is_finite()));
     }
-    let beyond: Vec<f64> = rows.iter().map(|(off, _)| off.abs()).filter(|off| *off > HALF * used).collect();
-    if beyond.len() < FEWEST {
+    let (step, span) = span_of(&rows, column >= experiment.inputs.len())?;
+    let folds = |off: f64| (off / step).round();
+    // What is folded is beyond the other readings; a glitch that adds a constant is among them.
+    let own = rows.iter().map(|(off, known)| (folds(*off), known[1]));
+    let (inside, folded): (Vec<(f64, f64)>, Vec<_>) = own.partition(|(folds, _)| *folds == 0.0);
+    let (least, most) = ends(inside.iter().map(|(_, x)| *x));
+    let slack = STRUCTURE * (most - least);
+    let is_beyond = |x: f64| x < least + slack || x > most - slack;
+    if !folded.iter().all(|(folds, x)| is_beyond(x + folds * span)) {
         return None;
     }
-    let first = median(beyond.into_iter());
-    let with_folds = |(off, known): &(f64, Vec<f64>)| vec![known[0], known[1], (off / first).round()];
-    let (numbers, left) = least_squares(&rows, with_folds)?;
-    // The model may deviate by a factor: of the folded value, not of the reading.
-    let span = numbers[2] / (1.0 + numbers[1]);
-    let slack = STRUCTURE * span;
-    let is_within = |low: &f64| ends.0 > low - slack && ends.1 < low + span + slack;
-    let is_span = used > HALF * span && [0.0, -HALF * span].iter().any(is_within);
-    // An output is a function of the inputs, whatever was read.
-    let is_output = column >= experiment.inputs.len();
-    let (_, without) = least_squares(&rows, |(_, known)| {
-        known.iter().enumerate().filter(|(k, _)| !is_output || *k != 1).map(|(_, x)| *x).collect()
-    })?;
     let mut unfolded = experiment.clone();
-    let mut folded: Vec<f64> = Vec::new();
-    let mut others = (f64::INFINITY, f64::NEG_INFINITY);
     for (run, off) in judge.runs.iter().zip(off) {
         let readings = unfolded.runs[*run].table.columns[column].iter_mut().zip(off);
-        for (x, off) in readings.filter(|(x, off)| (**x + **off).is_finite()) {
-            let folds = (off / first).round();
-            *x += folds * span;
-            if folds == 0.0 {
-                others = (others.0.min(*x), others.1.max(*x));
-            } else {
-                folded.push(*x);
-            }
-        }
+        readings.filter(|(_, off)| off.is_finite()).for_each(|(x, off)| *x += folds(*off) * span);
     }
-    // What is folded is beyond the other readings; a glitch that adds a constant is among them.
-    let slack = STRUCTURE * (others.1 - others.0);
-    let is_beyond = folded.iter().all(|x| *x < others.0 + slack || *x > others.1 - slack);
-    let is_fold =
-        is_span && is_beyond && left < SMALL * span && SMALL * span < without && FACTOR * left < without;
     let rough = |data: &Experiment| -> f64 {
         let columns = judge.runs.iter().map(|run| &data.runs[*run].table.columns[column]);
         let changes = columns.flat_map(|column| column.windows(2).map(|w| (w[1] - w[0]).powi(2)));
         changes.filter(|square| square.is_finite()).sum()
     };
     let roughness = rough(&unfolded) / rough(experiment);
-    is_fold.then_some(Fold { span, unfolded, roughness })
+    Some(Fold { span, unfolded, roughness })
+}
+
+/// The usual deviation of a folded row, and W of (1), if the readings are within a span and (2) leaves far more.
+fn span_of(rows: &[Row], is_output: bool) -> Option<(f64, f64)> {
+    let (least, most) = ends(rows.iter().map(|(_, known)| known[1]));
+    let used = most - least;
+    let beyond: Vec<f64> = rows.iter().map(|(off, _)| off.abs()).filter(|off| *off > HALF * used).collect();
+    if beyond.len() < FEWEST {
+        return None;
+    }
+    let step = median(beyond.into_iter());
+    let (numbers, left) = least_squares(rows, |(off, known)| vec![known[0], known[1], (off / step).round()])?;
+    // The model may deviate by a factor: of the folded value, not of the reading.
+    let span = numbers[2] / (1.0 + numbers[1]);
+    let slack = STRUCTURE * span;
+    let is_within = |low: &f64| least > low - slack && most < low + span + slack;
+    if used < HALF * span || left > SMALL * span || ![0.0, -HALF * span].iter().any(is_within) {
+        return None;
+    }
+    // An output is a function of the inputs, whatever was read.
+    let explaining = |k: &usize| !is_output || *k != 1;
+    let (_, without) =
+        least_squares(rows, |(_, known)| (0..known.len()).filter(explaining).map(|k| known[k]).collect())?;
+    (without > (SMALL * span).max(FACTOR * left)).then_some((step, span))
 }
 
 /// Coefficients of these columns for the deviations of all rows, and the root mean square of what they leave.
-fn least_squares(
-    rows: &[(f64, Vec<f64>)],
-    columns: impl Fn(&(f64, Vec<f64>)) -> Vec<f64>,
-) -> Option<(DVector<f64>, f64)> {
+fn least_squares(rows: &[Row], columns: impl Fn(&Row) -> Vec<f64>) -> Option<(DVector<f64>, f64)> {
     let all: Vec<Vec<f64>> = rows.iter().map(columns).collect();
     let design = DMatrix::from_fn(rows.len(), all[0].len(), |row, column| all[row][column]);
     let off = DVector::from_iterator(rows.len(), rows.iter().map(|(off, _)| *off));
