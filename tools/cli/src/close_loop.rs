@@ -33,7 +33,7 @@ use std::time::Duration;
 ///
 /// Writes report.json and report.html, residuals.csv, preset.toml with the calibrated values, effects.json with the terms that were added, and
 /// the FMUs of both standards, which are then run on the data.
-/// Exit code 0 for a verdict; 1 if the data are unusable, the outputs of an FMU differ from the report or the validator finds errors in it.
+/// Exit code 0 for a verdict; 1 if the data are unusable, the errors (RMSE) of an FMU differ from the report or the validator finds errors in it.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -42,8 +42,8 @@ pub struct Args {
 
 /// Fit the declared parameters of a model to bench data, without a search for missing effects.
 ///
-/// Reads the same experiment and writes the same files as close-loop.
-/// Exit code 0 for a fit; 1 if the data are unusable, the outputs of an FMU differ from the report or the validator finds errors in it.
+/// Reads the same experiment and writes the same files as close-loop, except effects.json.
+/// Exit code 0 for a fit; 1 if the data are unusable, the errors (RMSE) of an FMU differ from the report or the validator finds errors in it.
 #[derive(clap::Args)]
 pub struct FitArgs {
     #[command(flatten)]

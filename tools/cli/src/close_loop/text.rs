@@ -337,7 +337,7 @@ pub fn replay(replay: &Replay) -> String {
     };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
     format!(
-        "replayed with the exported FMUs: {} ({} data); their outputs differ from the model's by at most {} of the channel's range ({} in {}), \
+        "replayed with the exported FMUs: {} ({} data); their RMSE differs from the model's by at most {} of the channel's range ({} in {}), \
          {relation} {:.0e}",
         list(&replay.replayed, "and"),
         replay.role,

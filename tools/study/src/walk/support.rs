@@ -48,7 +48,7 @@ pub enum Limit {
     ThermalRunaway,
     /// The actuator no longer follows the torque, for its limits of current and supply voltage.
     TorqueError,
-    /// The greatest factor that the load takes.
+    /// The upper limit of the factor of the load.
     SupportMaximum,
 }
 
@@ -59,7 +59,7 @@ impl Limit {
             Limit::WindingTemperature => "winding temperature",
             Limit::ThermalRunaway => "thermal runaway",
             Limit::TorqueError => "torque error (current or supply voltage limit)",
-            Limit::SupportMaximum => "greatest factor that the load takes",
+            Limit::SupportMaximum => "upper limit of the factor",
         }
     }
 }
