@@ -123,6 +123,24 @@ def test_energy_closes_over_the_connections(cosim, toml):
     assert bonds["motor.shaft_speed -> actuator.motor_speed"]["energy_J"] == pytest.approx(final["actuator.energy_shaft"], rel=2e-3)
 
 
+def test_the_documented_energies_are_those_of_the_example(cosim, motor_fmu, toml):
+    """Table and sentences of docs/co-simulation.md, to the digits that they print; the simulation ends where they say."""
+    text = (EXAMPLE.parents[2] / "docs" / "co-simulation.md").read_text(encoding="utf-8")
+    part = text.split("Walking ankle (", 1)[1].split("\n## ", 1)[0]
+    table = [re.findall(r"([0-9.]+) (?:kJ|%)", line) for line in part.splitlines() if " kJ " in line]
+    bonds = cosim(toml, "--stop", "600")["energy"]
+    assert len(table) == len(bonds) == 3
+    for line, bond in zip(table, bonds):
+        for digits, value in zip(line, (1e-3 * bond["throughput_J"], 100.0 * bond["share"], 100.0 * bond["gross_share"])):
+            places = len(digits.split(".")[1])
+            assert round(value, places) == pytest.approx(float(digits), abs=1.01 * 10.0**-places), (digits, bond)
+    held = cosim(toml, "--stop", "600", "--no-slopes")["energy"][0]
+    assert f"of the first bond is {100.0 * held['share']:.1f} %" in part
+    done = motor_fmu("cosim", toml, "--stop", "1900")
+    at = re.search(r"ends at t = (\d+) s", part.replace("\n", " "))
+    assert done.returncode == 1 and re.search(rf"ends at {int(at[1]) - 1}\.[0-9]+ s|ends at {at[1]}\.", done.stderr), done.stderr
+
+
 def test_held_inputs_lose_what_slopes_keep(cosim, toml):
     """Coupling residuals decrease with the step, with twice the order for input derivatives; 0.01 % is out of reach without."""
 

@@ -97,11 +97,12 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
         format!("{channel} that was not fitted is predicted worse: {ratio:.3} times the error without it")
     });
     let refused = of_instruments.or(of_density).or(of_nothing).or(of_parts).or(of_output);
-    let refused = if refused.is_none() { ends(before, candidate)? } else { refused };
+    // A listed effect may need a second one beside it; a law is what its table makes it, also beyond the data.
+    let refused = if refused.is_none() && !addition.is_listed() { ends(before, candidate)? } else { refused };
     Ok(Judged { validation, refused })
 }
 
-/// Sentence on a run that the model ends at a limit of validity with a candidate and not without: the motor was run to its last row. Of the
+/// Sentence on a run that the model ends at a limit of validity with a law and not without: the motor was run to its last row. Of the
 /// runs that are not fitted the inputs are enough.
 fn ends(before: &Linearization, candidate: &Candidate) -> Result<Option<String>, CalibrateError> {
     let judge = before.setup.strict().until(Deadline::default());
