@@ -325,6 +325,9 @@ pub fn predicts_where_it_acts(before: &Linearization, candidate: &Candidate) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hypothesis::Addition;
+    use crate::testing;
+    use physics::terms::Driver;
 
     #[test]
     fn friction_may_be_replaced_by_another_form_of_it() {
@@ -332,6 +335,44 @@ mod tests {
         assert!(!is_size_at("effect.coulomb_friction.tau_c", Port::HousingHeat));
         assert!(!is_size_at("effect.coulomb_friction.w_small", Port::DragTorque));
         assert!(!is_size_at("conductance.G_still", Port::HousingAmbientConductance));
+    }
+
+    /// A listed effect and one of this run alone are not.
+    #[test]
+    fn a_law_that_one_file_asks_for_is_refused() {
+        let mut experiment = testing::experiment(testing::PRIORS, true);
+        for odd in [None, Some("run.csv".to_string())] {
+            experiment.odd_file = odd.clone();
+            let setup = Setup::new(&experiment, &[]).unwrap();
+            let law = testing::law(Port::DragTorque, Follows::Driver(Driver::Speed));
+            let here = Addition { active: vec![false], ..law.clone() };
+            let listed = testing::addition(&setup, "windage", 1e-8);
+            for (addition, is_refused) in [(law, odd.is_some()), (here, false), (listed, false)] {
+                let candidate = testing::candidate(&setup, addition, 500.0);
+                let said = of_one_file(&candidate.point, &candidate);
+                assert_eq!(said.is_some_and(|why| why.contains("run.csv alone")), is_refused);
+            }
+        }
+    }
+
+    /// In a run whose outputs nobody has looked at.
+    #[test]
+    fn an_addition_with_which_a_run_ends_is_refused() {
+        let mut experiment = testing::experiment(testing::PRIORS, true);
+        let mut second = experiment.runs[0].clone();
+        (second.file, second.role) = ("second.csv".to_string(), Role::Test);
+        experiment.runs.push(second);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        for (volts, is_refused) in [(0.1, false), (400.0, true)] {
+            let with = testing::candidate(&setup, testing::addition(&setup, "contact_drop", volts), 500.0);
+            let without = testing::candidate(&setup, testing::addition(&setup, "contact_drop", 0.0), 0.0);
+            let said = ends(&without.point, &with).unwrap();
+            assert_eq!(
+                said.as_ref().is_some_and(|why| why.contains("last row of second.csv")),
+                is_refused,
+                "{said:?}"
+            );
+        }
     }
 
     /// An output counts as worse by its ratio, by the number of independent readings behind it, and by what instruments show; an output without
