@@ -43,14 +43,15 @@ pub fn is_beyond(setup: &Setup, runs: &[usize], output: usize, [with, without]: 
 /// # Errors
 /// The message of the model if it cannot be run.
 pub fn explain_rest(setup: &Setup, fitted: &Fitted, roles: &[Role]) -> Result<bool, CalibrateError> {
-    let mut all = true;
     for role in roles {
         let runs = setup.runs(*role);
         let squares = setup.squares(&runs, &setup.show(&fitted.hypothesis, &runs)?).into_iter().enumerate();
         let squares = squares.map(|(k, (square, count))| square / count as f64 - setup.sigma(k).powi(2));
-        all &= greatest(setup, &runs, squares) < 1.0;
+        if greatest(setup, &runs, squares) >= 1.0 {
+            return Ok(false);
+        }
     }
-    Ok(all)
+    Ok(true)
 }
 
 fn greatest(setup: &Setup, runs: &[usize], squares: impl Iterator<Item = f64>) -> f64 {

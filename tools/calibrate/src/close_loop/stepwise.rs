@@ -81,14 +81,14 @@ impl<'a> Search<'a> {
             acting(self.setup, &mut hypothesis, &of_validation[0])?;
             Linearization::judged(self.setup, self.setup.judged(hypothesis, &all)?, &all)
         };
-        let (first, with) = (over(&self.first)?, over(self.point())?);
-        let (white, raw) = with.explains(&first);
-        let instead = input_error::explains(&first, &of_validation, white.min(raw))?;
+        // Of the fit and validation runs.
+        let (white, raw) = self.point().explains(&self.first);
+        let instead = input_error::explains(&over(&self.first)?, &of_validation, white.min(raw))?;
         let is_whole = || instruments::explain_rest(self.setup, &self.point().fitted, &[Role::Fit]);
         if instead.is_some() || self.taken().is_none() || !is_whole()? {
             return Ok(instead);
         }
-        input_error::explains(&with, &of_validation, 0.0)
+        input_error::explains(&over(self.point())?, &of_validation, 0.0)
     }
 
     /// Appends a round; returns whether it has an accepted candidate.

@@ -58,7 +58,7 @@ const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
 const MOST_OFF: f64 = 10.0;
 /// Rows of a run that are compared; each is the mean over a constant number of readings. Numerical: a run comprises some tens of time
 /// constants.
-const ROWS: usize = 500;
+pub(super) const ROWS: usize = 500;
 /// Least size of a quantity, in SI units. Numerical: rounding.
 const ROUNDING: f64 = 1e-9;
 /// Least variation of a temperature in (2), K. Limit: smaller ones show no shape.

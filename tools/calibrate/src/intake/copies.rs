@@ -38,18 +38,14 @@ pub fn of_another_file(experiment: &Experiment) -> Option<Unusable> {
     let (runs, inputs) = (&experiment.runs, experiment.inputs.len());
     let pairs = (0..runs.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
     pairs.filter(|(a, b)| runs[*a].file != runs[*b].file).find_map(|(a, b)| {
-        let is_same = |k: usize| {
-            let [first, second] = [a, b].map(|run| &runs[run].table.columns[k]);
-            let rows = first.len().min(second.len());
-            is_copy(&first[..rows], &second[..rows])
-        };
+        let is_same = |k: usize| is_copy(&runs[a].table.columns[k], &runs[b].table.columns[k]);
         let is_other = |k: usize| {
             let differs = |(x, y): (&f64, &f64)| x.is_finite() && y.is_finite() && x != y;
             runs[a].table.columns[k].iter().zip(&runs[b].table.columns[k]).any(differs)
         };
-        let copied: Vec<usize> = (0..experiment.outputs.len()).filter(|k| is_same(inputs + k)).collect();
-        let first = experiment.outputs[*copied.first()?].column;
-        let names: Vec<&str> = copied.iter().map(|k| experiment.outputs[*k].column).collect();
+        let copied = experiment.outputs.iter().enumerate().filter(|(k, _)| is_same(inputs + k));
+        let names: Vec<&str> = copied.map(|(_, channel)| channel.column).collect();
+        let first = names.first()?;
         (0..inputs).any(is_other).then(|| Unusable {
             channel: first.to_string(),
             reason: format!(

@@ -9,7 +9,7 @@
 //!
 //! *Source*: leave-one-out deletion diagnostics, Cook, Technometrics 19 (1977) 15-18.
 
-use super::consistency::{files, thinned};
+use super::consistency::{ROWS, files, thinned};
 use super::{Unusable, clocks};
 use crate::CalibrateError;
 use crate::comparison::digits;
@@ -19,8 +19,6 @@ use crate::levels::{AT_NOISE, SMALL};
 use crate::parallel;
 use crate::setup::Setup;
 
-/// Rows of a run that are fitted; each is the mean over a constant number of readings. Numerical: a run comprises some tens of time constants.
-const ROWS: usize = 500;
 /// Fewest files of which one can be odd. Derivation: of two, each disagrees with the other.
 const FEWEST: usize = 3;
 
@@ -57,8 +55,8 @@ fn found(
 ) -> Result<Option<(Vec<usize>, f64)>, CalibrateError> {
     let thin = thinned(experiment, ROWS);
     let is_counted = |run: &usize| matches!(thin.runs[*run].role, Role::Fit | Role::Validate);
-    let files: Vec<Vec<usize>> = files(&thin).into_iter().map(|(_, runs)| runs).collect();
-    let files: Vec<Vec<usize>> = files.into_iter().filter(|runs| runs.iter().all(is_counted)).collect();
+    let files = files(&thin).into_iter().map(|(_, runs)| runs);
+    let files: Vec<Vec<usize>> = files.filter(|runs| runs.iter().all(is_counted)).collect();
     if files.len() < FEWEST || deadline.is_near() {
         return Ok(None);
     }

@@ -128,7 +128,7 @@ pub fn implausible(before: &Linearization, candidate: &Candidate) -> Option<Stri
         return Some(format!("{} would have to be negative", addition.numbers[0].symbol));
     }
     at_limit(addition)
-        .or_else(|| of_one_file(before, candidate))
+        .or_else(|| of_one_file(candidate))
         .or_else(|| to_a_limit(before, candidate))
         .or_else(|| within_calibration(candidate))
         .or_else(|| unlike(candidate))
@@ -153,8 +153,8 @@ fn outweighs(before: &Linearization, with: &Linearization) -> bool {
 
 /// Sentence on a law of all runs that only one of the files asks for. What a listed effect does elsewhere is known from its form; a law is what its
 /// readings make it, and they may be wrong.
-fn of_one_file(before: &Linearization, candidate: &Candidate) -> Option<String> {
-    let file = before.setup.experiment.odd_file.as_ref()?;
+fn of_one_file(candidate: &Candidate) -> Option<String> {
+    let file = candidate.point.setup.experiment.odd_file.as_ref()?;
     let addition = candidate.addition();
     (!addition.is_listed() && addition.active.iter().all(|on| *on)).then(|| {
         format!("is asked for by {file} alone: without this file the parameters describe the other runs, and it may be wrong")
@@ -349,7 +349,7 @@ mod tests {
             let listed = testing::addition(&setup, "windage", 1e-8);
             for (addition, is_refused) in [(law, odd.is_some()), (here, false), (listed, false)] {
                 let candidate = testing::candidate(&setup, addition, 500.0);
-                let said = of_one_file(&candidate.point, &candidate);
+                let said = of_one_file(&candidate);
                 assert_eq!(said.is_some_and(|why| why.contains("run.csv alone")), is_refused);
             }
         }

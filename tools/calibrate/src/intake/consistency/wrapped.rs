@@ -15,7 +15,7 @@ use super::{Judge, Predicted, ROUNDING, files};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment};
-use crate::intake::{Unusable, all_runs, ends, median};
+use crate::intake::{Unusable, all_runs, deviation, ends, median};
 use crate::levels::{FACTOR, SMALL, STRUCTURE};
 use nalgebra::{DMatrix, DVector};
 use physics::declare::Unit;
@@ -54,14 +54,17 @@ fn in_file(judge: &Judge, experiment: &Experiment) -> Option<(&'static Channel, 
     let is_run = warm.iter().flatten().flatten().all(|p| p.is_finite());
     let predict = |data: &Experiment| if is_run { judge.predicted(data) } else { cold(judge, data) };
     let predicted = if is_run { warm } else { cold(judge, experiment) };
-    let known: Vec<usize> =
-        (0..experiment.outputs.len()).filter(|k| predicted.iter().all(|run| run.get(*k).is_some())).collect();
-    let off = |k: usize| -> Vec<Vec<f64>> {
-        let pairs = judge.runs.iter().zip(&predicted);
-        let of = |(run, shown): (&usize, &Vec<Vec<f64>>)| -> Vec<f64> {
-            shown[k].iter().zip(experiment.readings(*run, k)).map(|(p, y)| p - y).collect()
+    // A model that cannot be set up predicts nothing.
+    if predicted.iter().any(Vec::is_empty) {
+        return None;
+    }
+    // Reading less prediction by an output's run and row, each divided by what belongs to the run and the row.
+    let deviations = |k: usize, by: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
+        let of = |(n, run): (usize, &usize)| -> Vec<f64> {
+            let own = deviation(experiment, &predicted[n], k, *run).into_iter().enumerate();
+            own.map(|(row, off)| off / by(n, row)).collect()
         };
-        pairs.map(of).collect()
+        judge.runs.iter().enumerate().map(of).collect()
     };
     let mut folds: Vec<(&'static Channel, Fold)> = Vec::new();
     for (column, channel) in experiment.inputs.iter().enumerate().filter(|(_, channel)| is_load(channel)) {
@@ -69,11 +72,8 @@ fn in_file(judge: &Judge, experiment: &Experiment) -> Option<(&'static Channel, 
             return None;
         }
         let slopes = slopes(judge, experiment, (&predicted, &predict), column)?;
-        for by in known.iter().copied().filter(|k| !experiment.outputs[*k].is_temperature()) {
-            let of = |(off, slopes): (Vec<f64>, &Vec<Vec<f64>>)| -> Vec<f64> {
-                off.iter().zip(&slopes[by]).map(|(off, slope)| -off / slope).collect()
-            };
-            let off: Vec<Vec<f64>> = off(by).into_iter().zip(&slopes).map(of).collect();
+        for by in (0..experiment.outputs.len()).filter(|k| !experiment.outputs[*k].is_temperature()) {
+            let off = deviations(by, &|n, row| slopes[n][by][row]);
             let Some(fold) = fold(judge, experiment, column, &off) else { continue };
             let after = predict(&fold.unfolded);
             if confirms(judge, experiment, (column, &fold.unfolded), [&predicted, &after]) {
@@ -82,12 +82,10 @@ fn in_file(judge: &Judge, experiment: &Experiment) -> Option<(&'static Channel, 
         }
     }
     // Other mistakes of an input make a smooth output deviate in some rows.
-    let outputs = known
-        .iter()
-        .filter_map(|k| {
-            Some((experiment.outputs[*k], fold(judge, experiment, experiment.place_of(*k), &off(*k))?))
-        })
-        .filter(|(_, fold)| fold.roughness < FACTOR);
+    let outputs = experiment.outputs.iter().enumerate().filter_map(|(k, channel)| {
+        let fold = fold(judge, experiment, experiment.place_of(k), &deviations(k, &|_, _| -1.0))?;
+        (fold.roughness < FACTOR).then_some((*channel, fold))
+    });
     let (channel, fold) =
         folds.into_iter().chain(outputs).min_by(|(_, a), (_, b)| a.roughness.total_cmp(&b.roughness))?;
     Some((channel, fold.span))
