@@ -184,8 +184,9 @@ pub struct SweepArgs {
     vary: Vec<String>,
     /// continuous_torque, torque_density (both at the winding's limit and the speed of the point), or an output in steady state; with --load
     /// continuous_torque and torque_density at the joint, continuous_support, winding_temperature, supply_power,
-    /// torque_error or time_to_limit. Temperatures, losses, powers and errors are minimized, the others maximized. May be repeated
-    #[arg(long = "objective", value_name = "NAME", default_value = "continuous_torque")]
+    /// torque_error or time_to_limit. Behind the name :min or :max states the direction; otherwise temperatures, powers and energies
+    /// other than mechanical ones, losses, pressure drops, voltages, currents, resistances and errors are minimized and all others maximized. May be repeated
+    #[arg(long = "objective", value_name = "NAME[:min|:max]", default_value = "continuous_torque")]
     objectives: Vec<String>,
     /// A limit of any quantity that can be an objective; the value may have a unit. May be repeated
     #[arg(long = "constraint", value_name = "NAME<=VALUE|NAME>=VALUE")]

@@ -90,7 +90,7 @@ impl Constraint {
 /// What a sweep is to find.
 #[derive(Clone, Debug, Default)]
 pub struct Goal {
-    /// Names of the objectives; the first decides which point is the best.
+    /// The objectives, `NAME`, `NAME:min` or `NAME:max`; the first decides which point is the best.
     pub objectives: Vec<String>,
     /// What the points have to keep.
     pub constraints: Vec<Constraint>,
@@ -158,18 +158,18 @@ pub fn sweep(
     goal: &Goal,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Sweep, StudyError> {
-    let target = |option: &str, name: &str| {
-        case.target(name).map_err(|e| StudyError::new(format!("--{option} {name}: {e}")))
+    let of = |option: &str, text: &str, target: Result<Target, StudyError>| {
+        target.map_err(|e| StudyError::new(format!("--{option} {text}: {e}")))
     };
-    let objectives =
-        goal.objectives.iter().map(|name| target("objective", name)).collect::<Result<Vec<_>, _>>()?;
+    let objective = |text: &String| of("objective", text, Target::objective(case, text));
+    let objectives = goal.objectives.iter().map(objective).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = objectives.first().cloned() else {
         return Err(StudyError::new("a sweep has an objective"));
     };
     let mut targets = objectives.clone();
     let mut constraints = Vec::new();
     for constraint in &goal.constraints {
-        let target = target("constraint", &constraint.name)?;
+        let target = of("constraint", &constraint.name, case.target(&constraint.name))?;
         constraints.push(constraint.clone().resolved(target.unit)?);
         targets.push(target);
     }
@@ -346,6 +346,18 @@ mod tests {
         assert_eq!(found.csv().lines().count(), 7);
         let figure = found.figure().unwrap().svg();
         assert!(figure.contains("fan command") && !figure.contains("fan_command"));
+    }
+
+    /// What a motor takes is minimized and what it gives is maximized, unless the objective states its direction.
+    #[test]
+    fn an_objective_has_a_direction() {
+        let water = [("cooling_mode", "water_jacket"), ("coolant_flow_rate", "1e-5")];
+        for (objective, least) in [("pump_power", true), ("pump_power:max", false), ("shaft_speed", false)] {
+            let found = run(&constant(&water), objective, &vary(&["coolant_flow_rate=1e-5:3e-5:2"])).unwrap();
+            assert_eq!((found.objectives[0].least_is_best, found.objective.contains(':')), (least, false));
+        }
+        let error = run(&constant(&water), "pump_power:least", &vary(&["voltage=1:2:2"])).unwrap_err();
+        assert!(error.to_string().contains("pump_power:least"), "{error}");
     }
 
     #[test]

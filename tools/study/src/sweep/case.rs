@@ -14,6 +14,9 @@ use physics::model::Entry;
 use serde::Serialize;
 use units::Conversion;
 
+/// Units of what a motor takes, loses or has to bear: temperature, power, energy, pressure, voltage, current, resistance.
+const COSTS: [&str; 7] = ["K", "W", "J", "Pa", "V", "A", "Ohm"];
+
 /// A quantity that a sweep computes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Target {
@@ -29,6 +32,18 @@ pub struct Target {
 }
 
 impl Target {
+    /// The objective of a name, which may state its direction: `NAME:min` or `NAME:max`.
+    ///
+    /// # Errors
+    /// The case has no such quantity.
+    pub fn objective(case: &dyn Case, text: &str) -> Result<Target, StudyError> {
+        let directed = [(":min", true), (":max", false)];
+        match directed.iter().find_map(|(end, least)| Some((text.strip_suffix(end)?, *least))) {
+            Some((name, least_is_best)) => Ok(Target { least_is_best, ..case.target(name)? }),
+            None => case.target(text),
+        }
+    }
+
     /// The unit in which its values are shown.
     pub fn shown(&self) -> Shown {
         Shown::display(self.unit, self.is_difference)
@@ -158,9 +173,9 @@ impl Case for ConstantInputs {
             return Err(StudyError::new(format!("it is no output of {}{hint}", bench.declaration().name)));
         };
         let unit = entry.row.unit.name();
-        let losses = ["power_electrical", "loss_copper", "loss_iron", "loss_friction", "loss_drive"];
         let is_difference = entry.row.relative;
-        let least_is_best = (unit == "K" && !is_difference) || losses.contains(&name);
+        let is_delivered = ["mechanical", "shaft"].iter().any(|word| name.contains(word));
+        let least_is_best = COSTS.contains(&unit) && !is_delivered && !is_difference;
         Ok(Target { name: name.to_owned(), unit, least_is_best, is_difference })
     }
 
