@@ -172,7 +172,7 @@ fn attempt<'a>(
     let mut is_cut = deadline.is_near();
     if !is_cut {
         let heard = refit.and_then(|r| setup.include_input_noise(&r, &fit).map(|()| r));
-        progress(0.15, "looking for what is missing");
+        progress(0.15, "search for missing effects");
         refit = heard.and_then(|r| setup.fit(r.hypothesis, &fit));
         is_cut = deadline.is_near();
     }

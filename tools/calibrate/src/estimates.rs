@@ -9,7 +9,7 @@ use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
 use crate::instruments;
-use crate::levels::{AT_NOISE, CERTAIN, DECISIVE, PART, STRUCTURE, SURE};
+use crate::levels::{AT_NOISE, DECISIVE, PART, STRUCTURE, SURE};
 use crate::linearization::Linearization;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Whiteness};
 use crate::parallel;
@@ -17,6 +17,7 @@ use crate::prediction;
 use crate::report::{ROLES, column_words};
 use crate::selection::at_limit;
 use crate::setup::{Declared, Setup, Shown};
+use crate::strain;
 use nalgebra::DMatrix;
 use physics::terms::Port;
 
@@ -67,9 +68,7 @@ pub fn outcome(
     for ((estimate, value), (_, limits, _)) in estimates_of.iter_mut().zip(hypothesis.numbers()).zip(scales) {
         (estimate.value, estimate.ci95) = (value, of_either(value, estimate.ci95, limits));
     }
-    for (d, value) in setup.declared.iter().zip(&hypothesis.declared) {
-        notes.extend(strain(d, *value));
-    }
+    notes.extend(strain::notes(experiment, &setup.declared, &hypothesis.declared));
     for (d, value) in setup.declared.iter().zip(&hypothesis.declared).filter(|(d, _)| d.is_released) {
         notes.push(format!(
             "{name} has no prior, but its value {} in the preset contradicts the data, and no effect explains them better than another \
@@ -427,26 +426,6 @@ fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3], half: 
     }
 }
 
-/// Sentence on a parameter at a limit, or with a value that its prior hardly permits.
-fn strain(d: &Declared, value: f64) -> Option<String> {
-    let (name, (least, most)) = (&d.name, d.limits);
-    let apart = (value - d.prior).abs() / d.deviation;
-    let [own, prior] = [value, d.prior].map(|x| with_unit(x, d.unit));
-    if value <= least || value >= most {
-        let side = if value <= least { "lower" } else { "greater" };
-        Some(format!(
-            "{name} = {own} is at its limit: the data ask for a {side} value, or do not determine it"
-        ))
-    } else if !d.is_free && !d.is_released && apart > CERTAIN {
-        Some(format!(
-            "{name} = {own} is {apart:.1} standard deviations of its prior from {prior}: check the prior and the data, or an effect that \
-             the model still lacks moves it"
-        ))
-    } else {
-        None
-    }
-}
-
 /// The interval of an estimate, extended to that of another value with the same half width, within the limits.
 fn of_either(value: f64, (least, most): (f64, f64), limits: (f64, f64)) -> (f64, f64) {
     let half = 0.5 * (most - least);
@@ -455,26 +434,9 @@ fn of_either(value: f64, (least, most): (f64, f64), limits: (f64, f64)) -> (f64,
 
 #[cfg(test)]
 mod tests {
-    use super::{interval, of_either, strain};
-    use crate::setup::Setup;
-    use crate::testing;
+    use super::{interval, of_either};
 
     const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-
-    /// A value that its prior hardly permits is stated, and one at a limit; a usual one is not.
-    #[test]
-    fn values_far_from_their_priors_are_stated() {
-        let experiment = testing::experiment("\"thermal.C_w\" = 0.1", true);
-        let d = &Setup::new(&experiment, &[]).unwrap().declared[0];
-        assert_eq!(strain(d, 1.35 * d.prior), None);
-        let sentence = strain(d, 0.5 * d.prior).unwrap();
-        assert!(
-            sentence.contains("thermal.C_w") && sentence.contains("5.0 standard deviations"),
-            "{sentence}"
-        );
-        let sentence = strain(d, d.limits.0).unwrap();
-        assert!(sentence.contains("is at its limit: the data ask for a lower") && !sentence.contains("0000"));
-    }
 
     /// An interval covers the exported value as widely as the estimate, also if they differ.
     #[test]

@@ -27,6 +27,7 @@
 //! | `beyond` | unfitted runs that leave the range of a law |
 //! | [`separate`] | run or reading that would distinguish two models |
 //! | `prediction` | prediction intervals |
+//! | `strain` | sentences on estimates that their priors hardly permit |
 //! | `estimates`, [`outcome`], [`report`] | confidence intervals, errors and texts: as data, and as `report.json` |
 
 mod acting;
@@ -61,6 +62,7 @@ pub mod selection;
 pub mod separate;
 pub mod setup;
 pub mod simulate;
+mod strain;
 pub mod tangent;
 #[cfg(test)]
 mod testing;

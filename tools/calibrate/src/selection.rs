@@ -104,7 +104,8 @@ impl Candidate<'_> {
 }
 
 /// Why a candidate comes before one that explains more.
-const PREFERENCE: &str = "it states more, predicts better, or explains as much with what is beside it";
+const PREFERENCE: &str =
+    "it is more specific, predicts better, or explains as much together with the other effects";
 
 /// Result of one round of the selection.
 pub struct Round<'a> {
@@ -184,9 +185,11 @@ impl<'a> Round<'a> {
     fn reason_of(&self, taken: &Candidate) -> String {
         let is_most = self.candidates.iter().all(|c| c.refused.is_some() || c.sure() <= taken.sure());
         if is_most {
-            "explains most of all, and passes the gate".to_string()
+            "has the largest evidence and meets the acceptance criteria".to_string()
         } else {
-            format!("is preferred to what explains more: {PREFERENCE}; it passes the gate")
+            format!(
+                "is preferred to candidates with more evidence: {PREFERENCE}; it meets the acceptance criteria"
+            )
         }
     }
 

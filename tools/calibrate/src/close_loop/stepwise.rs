@@ -127,9 +127,10 @@ impl<'a> Search<'a> {
         if !second.passes_beside(self.point(), &round.candidates[k]) {
             return self.push(round);
         }
-        self.rounds.push(
-            round.with_taken(k, "explains most of all; together with what comes next it passes the gate"),
-        );
+        self.rounds.push(round.with_taken(
+            k,
+            "has the largest evidence; together with the next addition it meets the acceptance criteria",
+        ));
         self.scored.push(scored);
         self.rounds.push(second);
         true

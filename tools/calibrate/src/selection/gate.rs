@@ -63,14 +63,14 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     let of_density =
         validated.and_then(|v| v.density).filter(|gain| *gain < NEAR && !is_halved).map(|gain| {
             format!(
-                "the validation runs are hardly predicted better: -2 ln p falls by {}; {NEAR} is asked for",
+                "the validation runs are hardly predicted better: -2 ln p falls by {}; {NEAR} is required",
                 digits(gain)
             )
         });
     // The density is one to first order about the fit: without a better fit or a smaller error it says nothing.
     let of_nothing = validated.and_then(|v| v.density).filter(|gain| white - gain < LEAST).and(validation);
     let of_nothing = of_nothing.filter(|ratio| *ratio >= 1.0 - STRUCTURE).map(|ratio| {
-        format!("neither the fit runs nor the error of the validation runs, {ratio:.3} times that without it, show it")
+        format!("it improves neither the fit runs nor the error of the validation runs, which is {ratio:.3} times that without it")
     });
     // Held-out parts have no null model of their own.
     let of_parts = validated.filter(|v| v.density.is_none()).and_then(|v| {
@@ -78,7 +78,7 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
         let how = if ratio < 1.0 { "hardly predicted better" } else { "predicted worse" };
         (ratio >= 1.0 - STRUCTURE || v.fall < NEAR).then(|| {
             format!(
-                "what was not fitted is {how}: {ratio:.3} times the error without it, chi square falls by {}; {NEAR} is asked for",
+                "the data that were not fitted are {how}: {ratio:.3} times the error without it, chi square falls by {}; {NEAR} is required",
                 digits(v.fall)
             )
         })
@@ -157,7 +157,7 @@ fn of_one_file(candidate: &Candidate) -> Option<String> {
     let file = candidate.point.setup.experiment.odd_file.as_ref()?;
     let addition = candidate.addition();
     (!addition.is_listed() && addition.active.iter().all(|on| *on)).then(|| {
-        format!("is asked for by {file} alone: without this file the parameters describe the other runs, and it may be wrong")
+        format!("only {file} supports it: without this file the parameters describe the other runs, and the file may be wrong")
     })
 }
 
@@ -350,7 +350,7 @@ mod tests {
             for (addition, is_refused) in [(law, odd.is_some()), (here, false), (listed, false)] {
                 let candidate = testing::candidate(&setup, addition, 500.0);
                 let said = of_one_file(&candidate);
-                assert_eq!(said.is_some_and(|why| why.contains("run.csv alone")), is_refused);
+                assert_eq!(said.is_some_and(|why| why.contains("only run.csv supports it")), is_refused);
             }
         }
     }

@@ -123,6 +123,6 @@ fn a_preferred_candidate_does_not_explain_most() {
         let round = Round { candidates, taken: Some(1), excuse: None, alike, part: None, failed };
         round.candidate_table(1).swap_remove(1).reason
     };
-    assert!(reason(None).starts_with("is preferred to what explains more"), "{}", reason(None));
-    assert!(reason(Some("is at a limit".to_string())).starts_with("explains most of all"));
+    assert!(reason(None).starts_with("is preferred to candidates with more evidence"), "{}", reason(None));
+    assert!(reason(Some("is at a limit".to_string())).starts_with("has the largest evidence"));
 }
