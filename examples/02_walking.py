@@ -1,8 +1,8 @@
-"""A powered ankle walks for twenty minutes: how warm does its motor get, and what does a fan change?
+"""A powered ankle walks until the winding of its motor reaches the limit, at most 20 min, without and with fan.
 
-The actuator gives the whole biological torque of the ankle in level walking and stops at the winding's limit. The motor FMU has the
-start values of preset maxon-305015. It is driven by its current: the current loop of a real drive settles within a tenth of the 1 ms step
-used here, and the actuator keeps the command within what the supply voltage allows. `--drive voltage` puts the voltage on the terminals instead.
+The actuator gives the whole biological torque of the ankle in level walking. The motor FMU has the start values of preset maxon-305015. It
+is driven by its current: the current loop of a real drive settles within a tenth of the 1 ms step used here, and the actuator keeps the
+command within what the supply voltage allows. `--drive voltage` puts the voltage on the terminals instead.
 
 Writes walking.svg, walking.png and walking.json to --out, and prints the results with the figure's caption.
 """

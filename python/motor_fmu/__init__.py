@@ -1,4 +1,4 @@
-"""Calls the program `motor-fmu` and returns dictionaries and DataFrames. Values are in SI units.
+"""Calls the program `motor-fmu`; the functions return dictionaries, DataFrames or paths. Values are in SI units.
 
 The wheel contains the program, the FMU library beside it and the archives of all models; nothing else has to be installed.
 """

@@ -63,7 +63,7 @@ struct Files {
     /// Print report.json
     #[arg(long)]
     json: bool,
-    /// Wall time for everything, s: the search ends in time for export and replay and reports the best answer so far
+    /// Wall time for everything, s: the computation ends in time for export and replay, with the best result so far
     #[arg(long, value_name = "SECONDS", default_value_t = 45.0, value_parser = crate::validate::seconds)]
     budget: f64,
 }

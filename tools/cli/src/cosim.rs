@@ -59,7 +59,7 @@ pub struct Args {
     plot: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
-    /// Print final values and the energy balances of the connections as JSON
+    /// Print final values and the coupling energy residuals of the power bonds as JSON
     #[arg(long)]
     json: bool,
     /// Time limit of one call of an FMU

@@ -23,6 +23,11 @@ pub enum Which {
 ///
 /// Where the corrected value comes from a fitted model, the table marks it: "fitted" if the published value was used in the fit,
 /// "predicted" if it was not.
+///
+/// Verdicts: holds = follows from what is published; "holds, see note" = follows, with the restriction in the note; inconsistent = does not
+/// follow; editorial error = a text, equation or reference is misprinted, missing or in the wrong place; unit, sign or physics error = the
+/// unit, the sign or the physics is wrong; not a validation = the two compared values are not independent of each other; remark = neither
+/// right nor wrong. The notes are in the output of --json and in the page of --out.
 #[derive(clap::Args)]
 pub struct Args {
     /// Publication

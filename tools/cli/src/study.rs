@@ -41,7 +41,7 @@ pub struct LoadArgs {
     /// [mix] with phases of several loads and rest (docs/loads.md)
     #[arg(long, value_name = "load.toml")]
     pub load: Option<PathBuf>,
-    /// Longest duration of the walk in hours, with --load
+    /// Longest simulated time in hours, with --load
     #[arg(long, value_name = "H", default_value_t = 2.0, requires = "load")]
     pub hours: f64,
 }
@@ -87,7 +87,7 @@ pub struct SteadyArgs {
     pub start: Start,
     #[command(flatten)]
     pub load: LoadArgs,
-    /// With --load: plot the winding temperature over the walk, as SVG, PNG or HTML
+    /// With --load: plot the winding temperature over the simulated time, as SVG, PNG or HTML
     #[arg(long, value_name = "F.svg|F.png|F.html", requires = "load")]
     pub plot: Option<PathBuf>,
     #[command(flatten)]
@@ -170,8 +170,9 @@ pub fn rounded(value: f64) -> String {
 
 /// Vary inputs, parameters, modes and motors over a grid and find the best points.
 ///
-/// With several objectives the points are listed that no other point beats in all of them (Pareto set). The first objective decides which
-/// point is the best. Points without steady state or beyond a constraint are infeasible and named as such.
+/// With several objectives the Pareto set is listed: the feasible points for which no other point is at least as good in all objectives and
+/// better in one. The first objective decides which point is the best. Points without steady state or beyond a constraint are listed as
+/// infeasible.
 #[derive(clap::Args)]
 pub struct SweepArgs {
     #[command(flatten)]

@@ -6,7 +6,7 @@
 //! | `connections.rs`, `ends.rs`, `settings.rs`, `units.rs` | their names resolved in the FMUs: sources of inputs, unit conversions, values |
 //! | `inputs.rs` | tables of inputs over time |
 //! | `order.rs`, `loops.rs` | what passes through without a step; algebraic loops and their solution |
-//! | `master.rs`, `memory.rs`, `component_steps.rs`, `batch.rs` | instances and one macro step |
+//! | `master.rs`, `memory.rs`, `component_steps.rs`, `batch.rs` | instances and one communication step |
 //! | `times.rs` | start, stop and communication steps, checked |
 //! | `run.rs`, `variable_step.rs` | the run, with a fixed or a variable step |
 //! | `power_bonds.rs`, `record.rs` | the bonds of the coupling; the rows that are kept |

@@ -26,7 +26,7 @@ pub fn run(workspace: &Workspace, force: bool) -> Outcome {
     product::archives(workspace)?;
     shell::stage("validating the FMUs");
     product::validate(workspace)?;
-    shell::stage("twenty minutes of walking, twice");
+    shell::stage("walking until the winding reaches its limit, without and with fan");
     let dist = workspace.dist();
     example(workspace, &python, WALK, &dist)?;
     shell::stage("motor, actuator and gait as one system");

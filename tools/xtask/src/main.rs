@@ -34,7 +34,7 @@ type Outcome<T = ()> = Result<T, String>;
 #[derive(Parser)]
 #[command(name = "cargo xtask", about)]
 enum Command {
-    /// Build and validate the FMUs, walk for 20 minutes, close the loop on bench data, write dist/index.html.
+    /// Build and validate the FMUs, simulate walking, close the loop on bench data, write dist/index.html.
     Demo(Force),
     /// Run the everyday tests: sources, Rust, FMUs, Python, mutants of changed files.
     Test,

@@ -11,7 +11,7 @@ pub(super) struct SideBySide {
     pool: ThreadPool,
     /// By component: the result of its last step, until it is taken.
     stepped: Vec<Option<Result<Step, Error>>>,
-    /// By component: whether it takes the step of the system.
+    /// By component: whether it takes the communication step in one step.
     is_whole: Vec<bool>,
 }
 
@@ -25,7 +25,7 @@ impl SideBySide {
         Ok(Self { pool, stepped, is_whole: vec![true; instances.len()] })
     }
 
-    /// Steps all components that take the step of the system. Each result waits for [`take`](Self::take).
+    /// Steps all components that take the communication step in one step. Each result waits for [`take`](Self::take).
     pub(super) fn step(&mut self, instances: &mut [Instance], steps: &[ComponentStep], t: f64, h: f64) {
         for step in steps {
             self.is_whole[step.component] = step.parts(h) == 1;

@@ -18,8 +18,8 @@ pub enum Verdict {
     HoldsWithNote,
     /// It does not follow from what is published.
     Inconsistent,
-    /// The equation or the reference is damaged.
-    Garbled,
+    /// A text, equation or reference is misprinted, missing or in the wrong place.
+    EditorialError,
     /// The unit is wrong.
     UnitError,
     /// The sign is wrong.
@@ -38,7 +38,7 @@ impl Verdict {
         (Verdict::Holds, "holds"),
         (Verdict::HoldsWithNote, "holds, see note"),
         (Verdict::Inconsistent, "inconsistent"),
-        (Verdict::Garbled, "garbled"),
+        (Verdict::EditorialError, "editorial error"),
         (Verdict::UnitError, "unit error"),
         (Verdict::SignError, "sign error"),
         (Verdict::PhysicsError, "physics error"),

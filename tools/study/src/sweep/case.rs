@@ -233,7 +233,7 @@ const AT_LIMIT: [&str; 3] = ["continuous_torque", "torque_density", "continuous_
 pub struct Walking {
     /// Motor and load.
     pub load: Load,
-    /// Longest duration of the walk, h.
+    /// Longest simulated time, h.
     pub hours: f64,
 }
 
