@@ -3,12 +3,14 @@
 //! A figure is 500 units wide with text of 13, so that a column of 390 pixels still shows text of 10. The layout follows the longest texts:
 //! labels are wrapped and never cut.
 
+mod axis;
 mod layout;
 mod points;
 mod rows;
 #[cfg(test)]
 mod tests;
 
+pub use axis::Axis;
 pub use rows::{Mark, Row, Rows};
 
 use layout::{BASELINE, BREAKS, LINE, PAD, Scale, Swatch, WIDTH, frame, legend, place, text, width, wrap};
@@ -26,26 +28,6 @@ const DENSE: usize = 100;
 
 /// Height of the only panel, and of one of several.
 const HEIGHT: (f64, f64) = (220.0, 120.0);
-
-/// An axis: its quantity with unit, and its range where that does not follow from the data.
-#[derive(Clone, Debug)]
-pub struct Axis {
-    label: String,
-    range: Option<(f64, f64)>,
-}
-
-impl Axis {
-    /// The axis of a quantity with its unit.
-    pub fn new(label: &str) -> Axis {
-        Axis { label: label.to_owned(), range: None }
-    }
-
-    /// With a range.
-    pub fn from_to(mut self, from: f64, to: f64) -> Axis {
-        self.range = Some((from, to));
-        self
-    }
-}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
@@ -197,7 +179,7 @@ impl Figure {
     /// With names in place of the numbers 0, 1, 2 ... on the x axis.
     pub fn categories(mut self, names: &[&str]) -> Figure {
         self.categories = names.iter().map(|n| (*n).to_owned()).collect();
-        self.x.range = Some((-0.5, names.len() as f64 - 0.5));
+        self.x = self.x.from_to(-0.5, names.len() as f64 - 0.5);
         self
     }
 
@@ -282,7 +264,7 @@ impl Figure {
             (s.label.as_str(), s.colour % 8, swatch)
         });
         let (legend, above) = legend(entries.collect());
-        let quantity = wrap(&marks.with_power(&panel.y.label), WIDTH - 2.0 * PAD);
+        let quantity = wrap(&marks.with_power(&panel.y.label(y)), WIDTH - 2.0 * PAD);
         let top = above + quantity.len() as f64 * LINE + 6.0;
         let (left, right) = x.pixels;
         let names: Vec<(f64, String)> = match self.categories.as_slice() {
@@ -303,7 +285,7 @@ impl Figure {
         } else {
             names.iter().map(|(_, name)| wrap(name, slot).len()).max().unwrap_or(0) as f64
         };
-        let x_label = wrap(&x.ticks_that_fit().with_power(&self.x.label), right - left);
+        let x_label = wrap(&x.ticks_that_fit().with_power(&self.x.label(x)), right - left);
         let mut bottom = 14.0;
         let inside = html! {
             @for (value, name) in marks.marks() {

@@ -170,8 +170,11 @@ pub(super) fn legend(entries: Vec<(&str, usize, Swatch)>) -> (Markup, f64) {
 
 /// From values to pixels.
 pub(super) struct Scale {
+    /// The ends, in the unit of the data.
     pub span: (f64, f64),
     pub pixels: (f64, f64),
+    /// The unit of the ticks in that of the data: 60 for min where the data are in s.
+    pub unit: f64,
 }
 
 impl Scale {
@@ -180,7 +183,7 @@ impl Scale {
         // Beyond these sizes a span has no inverse; below, a number is rounding about zero.
         let numbers = values.filter(|v| v.abs() < 1e150).map(|v| if v.abs() < 1e-60 { 0.0 } else { v });
         let (low, high) = numbers.fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
-        let span = match (axis.range, low.abs().max(high.abs())) {
+        let span = match (axis.range(), low.abs().max(high.abs())) {
             (Some(range), _) => range,
             _ if low > high => (0.0, 1.0),
             (None, 0.0) => (-1.0, 1.0),
@@ -188,7 +191,7 @@ impl Scale {
             (None, size) if high - low < 1e-9 * size => (low - 0.05 * size, high + 0.05 * size),
             _ => (low - margin * (high - low), high + margin * (high - low)),
         };
-        Scale { span, pixels }
+        Scale { span, pixels, unit: axis.unit_over(span) }
     }
 
     pub fn at(&self, value: f64) -> f64 {
@@ -207,15 +210,16 @@ impl Scale {
 
     /// Round values within the span, about `count` of them.
     pub fn ticks(&self, count: usize) -> Ticks {
-        let rough = (self.span.1 - self.span.0) / count as f64;
+        let span = (self.span.0 / self.unit, self.span.1 / self.unit);
+        let rough = (span.1 - span.0) / count as f64;
         let decade = (rough * 1.000_001).log10().floor();
         let (factor, decade) = [1.0, 2.0, 5.0]
             .into_iter()
             .find(|m| m * 10f64.powf(decade) >= 0.999 * rough)
             .map_or((1.0, decade + 1.0), |m| (m, decade));
         let step = factor * 10f64.powf(decade);
-        let first = (self.span.0 / step - 1e-9).ceil() as i64;
-        let last = (self.span.1 / step + 1e-9).floor() as i64;
+        let first = (span.0 / step - 1e-9).ceil() as i64;
+        let last = (span.1 / step + 1e-9).floor() as i64;
         let places: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
         let greatest = |values: &[f64]| values.iter().fold(0.0, |size: f64, v| size.max(v.abs()));
         // Labels that would all begin with the same four digits or more are differences from a round value of 100 units of the last digit.
@@ -238,6 +242,7 @@ impl Scale {
         };
         let labels = (first..=last).map(|k| label(k - origin)).collect();
         let origin = (origin != 0).then(|| rounded(origin as f64 * step, decade + 2.0));
+        let places = places.into_iter().map(|place| place * self.unit).collect();
         Ticks { labels, places, power, origin }
     }
 
@@ -297,7 +302,7 @@ mod tests {
     use super::*;
 
     fn ticks(from: f64, to: f64, count: usize) -> Ticks {
-        Scale { span: (from, to), pixels: (0.0, 100.0) }.ticks(count)
+        Scale { span: (from, to), pixels: (0.0, 100.0), unit: 1.0 }.ticks(count)
     }
 
     #[test]

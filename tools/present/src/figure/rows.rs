@@ -79,7 +79,7 @@ impl Drawing for Rows {
         let entries = self.series.iter().enumerate().filter(|(_, s)| !s.is_empty());
         let (legend, top) = legend(entries.map(|(k, s)| (s.as_str(), k, self.swatch(k))).collect());
         let ticks = x.ticks_that_fit();
-        let quantity = wrap(&ticks.with_power(&self.axis.label), x.pixels.1 - x.pixels.0);
+        let quantity = wrap(&ticks.with_power(&self.axis.label(&x)), x.pixels.1 - x.pixels.0);
         let names: Vec<_> = self.rows.iter().map(|row| wrap(&row.name, WIDTH - 2.0 * PAD)).collect();
         let tall = |name: &Vec<String>| LINE * name.len() as f64 + STRIP + 4.0;
         let bottom = names.iter().map(tall).sum::<f64>() + 8.0;
