@@ -7,7 +7,11 @@
 pub mod check;
 pub mod figure;
 pub mod page;
+mod typeset;
+mod units;
 pub mod words;
+
+pub use typeset::typeset;
 
 pub(crate) struct Palette {
     pub ink: &'static str,
@@ -40,7 +44,7 @@ pub(crate) const DARK: Palette = Palette {
     series: ["#58b0f0", "#ff8c42", "#3fd1a4", "#e59fce", "#d0d7de", "#f0c04a", "#9bd6ff", "#d2a679"],
 };
 
-/// A number with four significant digits.
+/// A number with four significant digits, in ASCII: for texts that programs may read. [`typeset`] gives it the signs of pages and figures.
 pub fn number(value: f64) -> String {
     if !value.is_finite() {
         return "–".to_owned();
