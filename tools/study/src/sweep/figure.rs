@@ -48,11 +48,12 @@ impl Sweep {
         );
         let mut figure =
             Figure::stacked(&format!("{objectives} over {varied}{source}"), x).remark(&self.remark());
+        type Points = Vec<(f64, f64)>;
         // Words are drawn as categories.
         let mut words_of_x: Vec<String> = Vec::new();
         for (k, target) in self.objectives.iter().enumerate() {
             let shown = target.shown();
-            let mut lines: Vec<(&[Choice], Vec<(f64, f64)>)> = Vec::new();
+            let mut lines: Vec<(&[Choice], Points)> = Vec::new();
             for point in &self.points {
                 let key = &point.values[1..];
                 let x = point.values[0].number().map(|x| self.shown[0].of(x)).unwrap_or_else(|| {
