@@ -2,7 +2,7 @@
 
 use crate::{Column, Error, Kind, Recording, Status};
 use present::figure::{Axis, Figure};
-use present::words::unit as written;
+use present::words::{sentence, unit as written};
 use std::path::Path;
 
 /// Panels that a figure may have; further outputs are named below it.
@@ -106,7 +106,8 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
 fn ended(recording: &Recording) -> String {
     let Some(time) = recording.ended_early else { return String::new() };
     let reason = recording.messages.iter().rev().find(|m| m.status != Status::Ok);
-    let reason = reason.map_or(String::new(), |message| format!(": {}", message.text.trim_end_matches('.')));
+    let reason =
+        reason.map_or(String::new(), |message| format!(": {}", sentence(message.text.trim_end_matches('.'))));
     format!(
         "The FMU ended the run in the step from {} s, before the stop time{reason}. ",
         present::number(time)
