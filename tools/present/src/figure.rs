@@ -33,7 +33,8 @@ pub trait Drawing {
 /// Height of the only panel, and of one of several.
 const HEIGHT: (f64, f64) = (220.0, 120.0);
 
-/// Margins of the x axis in parts of its length: of points alone, of lines with marks, and before a line that jumps where it begins.
+/// Margins of the x axis in parts of its length: of points alone, of lines with marks or points, and before a line that jumps where it
+/// begins.
 const MARGINS: (f64, f64, f64) = (0.06, 0.015, 0.01);
 
 /// A figure that is being put together. What is added goes to the last panel.
@@ -169,9 +170,10 @@ impl Figure {
     fn x_scale(&self, ys: &[Scale], left: f64) -> Scale {
         let series = || self.panels.iter().flat_map(|p| &p.series);
         // Lines may reach the frame, points may not.
-        let margin = if !series().any(|s| s.is_line() || s.kind == Kind::Band) {
+        let is_curve = |s: &Series| s.is_line() || s.kind == Kind::Band;
+        let margin = if !series().any(is_curve) {
             MARGINS.0
-        } else if series().any(Series::is_marked) {
+        } else if series().any(|s| s.is_drawn() && (s.is_marked() || !is_curve(s))) {
             MARGINS.1
         } else {
             0.0

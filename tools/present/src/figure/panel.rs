@@ -42,8 +42,8 @@ impl Panel {
     pub fn draw(&self, sheet: &Sheet, y: &Scale, marks: &Ticks, (first, lowest): (bool, bool)) -> Sketch {
         let (x, height) = (&sheet.x, sheet.height);
         let (left, right) = x.pixels;
-        let ranks = ranks(&self.series, x, y);
         let parts: Vec<Drawn> = self.series.iter().map(|s| as_drawn(s, x, y)).collect();
+        let ranks = ranks(&self.series, &parts, x, y);
         let labels = self.labels_of_limits(sheet, y);
         let (legend, above) = self.legend(&ranks, &labels);
         let quantity = wrap(&self.y.title(y, marks), WIDTH - 2.0 * PAD);

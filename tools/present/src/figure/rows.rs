@@ -187,10 +187,10 @@ mod tests {
         let svg = Rows::new("t", "l", &["after", "refit", "prior"], vec![row("gain_phys", given)]).svg();
         let document = roxmltree::Document::parse(&svg).unwrap();
         let y = |class: &str| {
-            let points = document
+            let mut points = document
                 .descendants()
                 .filter(|n| n.attribute("class") == Some(class) && n.has_tag_name("circle"));
-            points.last().unwrap().attribute("cy").unwrap().parse::<f64>().unwrap()
+            points.next_back().unwrap().attribute("cy").unwrap().parse::<f64>().unwrap()
         };
         assert!(y("p d0") < y("p d1"), "{svg}");
         let grid = document

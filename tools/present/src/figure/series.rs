@@ -224,15 +224,14 @@ fn place(p: &(f64, f64), x: &Scale, y: &Scale) -> (f64, f64) {
     if is_inside { (x.at(p.0), y.at(p.1)) } else { (f64::NAN, f64::NAN) }
 }
 
-/// Which series of a panel lie over each other. A line that agrees within a pixel with an earlier one over most of the way of one of them
-/// would hide it, and so would points that lie on earlier ones.
-pub(super) fn ranks(series: &[Series], x: &Scale, y: &Scale) -> Vec<Rank> {
-    let traced: Vec<Columns> = series
+/// Which series of a panel lie over each other, by what is drawn of them. A line that agrees within a pixel with an earlier one over most of
+/// the way of one of them would hide it, and so would points that lie on earlier ones.
+pub(super) fn ranks(series: &[Series], drawn: &[Drawn], x: &Scale, y: &Scale) -> Vec<Rank> {
+    let traced: Vec<Columns> = drawn
         .iter()
-        .map(|s| {
+        .map(|drawn| {
             let mut columns = Columns::over(x);
-            let line: Vec<_> = s.points.iter().map(|p| place(p, x, y)).collect();
-            columns.trace(if s.is_line() { &line } else { &[] });
+            columns.trace(&drawn.line.iter().map(|p| place(p, x, y)).collect::<Vec<_>>());
             columns
         })
         .collect();

@@ -84,6 +84,19 @@ fn few_values_are_marked() {
     assert_eq!((marks(steps, small), marks(curve, small)), (0, 0));
 }
 
+/// Points beside a line are whole, also the first and the last one.
+#[test]
+fn points_at_the_ends_are_inside_the_frame() {
+    let line: Vec<(f64, f64)> = (0..200).map(|k| (f64::from(k), f64::from(k))).collect();
+    let svg = parsed(&figure().points("p", vec![line[0], line[199]]).dashed("l", line));
+    let axis = path(&svg, "a", 0);
+    let left: f64 = axis[1..].split(' ').next().unwrap().parse().unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let points = document.descendants().filter(|n| n.has_tag_name("circle"));
+    let xs: Vec<f64> = points.skip(1).map(|n| n.attribute("cx").unwrap().parse().unwrap()).collect();
+    assert!(xs.len() == 2 && xs[0] >= left + 4.0 && xs[1] <= WIDTH - PAD - 4.0, "{xs:?}");
+}
+
 /// A peak at the begin of a record is not on the y axis.
 #[test]
 fn a_jump_at_the_begin_is_off_the_axis() {
@@ -168,6 +181,11 @@ fn a_crowded_line_is_a_band_with_its_mean() {
     let at = |value: f64| HEIGHT.0 * (1.0 - (value + 0.24) / 4.48);
     assert!((ys[20] - at(2.0)).abs() < 3.0 && (ys[ys.len() - 20] - at(3.0)).abs() < 3.0, "{ys:?}");
     assert!(svg.len() < 60_000, "{}", svg.len());
+    // Two crowded lines with one mean, however far they reach.
+    let twice = Figure::new("", Axis::time(), Axis::new("torque in N·m"));
+    let line = |size: f64| times().map(|t| (t, size * (6.0 * t).sin() + 2.0)).collect();
+    let svg = parsed(&twice.line("wide", line(1.0)).line("narrow", line(0.5)));
+    assert_eq!(svg.matches("stroke-dasharray=\"6 6\"").count(), 2, "{svg}");
 }
 
 /// A few peaks of a smooth line are not a band, and are not averaged.
