@@ -45,19 +45,7 @@ pub fn run(workspace: &Workspace) -> Outcome {
 /// `cargo miri test` of the C interface with arguments of the test program.
 fn command(workspace: &Workspace, arguments: &[&str]) -> Command {
     let mut command = Command::new("rustup");
-    command.args([
-        "run",
-        TOOLCHAIN,
-        "cargo",
-        "miri",
-        "test",
-        "--quiet",
-        "--package",
-        "fmu",
-        "--test",
-        "all",
-        "--",
-    ]);
+    command.args(["run", TOOLCHAIN, "cargo", "miri", "test", "--package", "fmu", "--test", "all", "--"]);
     // The toolchain that runs this program must not reach into the other one.
     for name in ["CARGO", "RUSTC", "RUSTDOC", "RUSTUP_TOOLCHAIN"] {
         command.env_remove(name);
