@@ -70,7 +70,7 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
     for (_, columns) in panels {
         let flags = columns.iter().all(|c| c.kind == Kind::Boolean);
         let axis = Axis::new(&axis_title(&columns));
-        figure = figure.panel(if flags { axis.from_to(-0.1, 1.1) } else { axis });
+        figure = figure.panel(if flags { axis.names(&["false", "true"]) } else { axis });
         for column in &columns {
             figure = figure.line(&words(&column.name), line(&recording.times, column));
         }
@@ -200,7 +200,8 @@ fn axis_title(columns: &[&Column]) -> String {
     };
     let quantity = QUANTITIES.iter().find(|(_, units)| units.contains(&unit.as_str())).map(|(name, _)| *name);
     match (unit.as_str(), quantity) {
-        (BOOLEAN, _) => unit,
+        (BOOLEAN, _) if only.is_empty() => unit,
+        (BOOLEAN, _) => only,
         ("", _) => {
             if only.is_empty() {
                 "value, without unit".to_owned()
@@ -216,12 +217,12 @@ fn axis_title(columns: &[&Column]) -> String {
     }
 }
 
-/// The axis of flags.
-const BOOLEAN: &str = "false 0, true 1";
+/// The axis of several flags.
+const BOOLEAN: &str = "false or true";
 
 /// Quantities by the units that no other quantity of machines has.
 const QUANTITIES: [(&str, &[&str]); 12] = [
-    ("temperature", &["°C", "degF"]),
+    ("temperature", &["°C", "°F"]),
     ("current", &["A", "mA"]),
     ("voltage", &["V", "mV"]),
     ("resistance", &["Ω", "mΩ"]),
