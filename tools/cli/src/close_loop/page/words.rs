@@ -19,6 +19,14 @@ enum Piece {
     Code(String),
 }
 
+/// Pieces as they stand on the page.
+fn markup(pieces: Vec<Piece>) -> Markup {
+    html! { @for piece in pieces { @match piece {
+        Piece::Text(text) => { (text) },
+        Piece::Code(key) => { code { (key) } },
+    } } }
+}
+
 /// A text with spaces in place of the underscores of its keys.
 fn without_keys(text: &str) -> String {
     let word = |word: &str| if is_key(word) { plain(word) } else { word.to_owned() };
@@ -43,10 +51,21 @@ impl Words<'_> {
 
     /// A sentence in words, with keys that have to be typed as code.
     pub fn sentence(&self, text: &str) -> Markup {
-        html! { @for piece in self.pieces(text) { @match piece {
-            Piece::Text(text) => { (text) },
-            Piece::Code(key) => { code { (key) } },
-        } } }
+        markup(self.pieces(text))
+    }
+
+    /// A note as a sentence: with a capital letter, unless it begins with a name, and a full stop.
+    pub fn note(&self, text: &str) -> Markup {
+        let text = text.trim();
+        let stop = if text.ends_with(['.', '!', '?']) { "" } else { "." };
+        let first = text.split([' ', ':']).next().unwrap_or_default();
+        let is_word = first.chars().all(|c| c.is_alphabetic() || c == '_');
+        let mut pieces = self.pieces(text);
+        let begin = pieces.iter_mut().find(|piece| !matches!(piece, Piece::Text(text) if text.is_empty()));
+        if let (true, Some(Piece::Text(begin))) = (is_word, begin) {
+            *begin = super::capital(begin);
+        }
+        html! { (markup(pieces)) (stop) }
     }
 
     /// The same as text.
@@ -140,6 +159,26 @@ fn lower(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::close_loop::sample;
+
+    /// A note is a sentence; the name of a file stays as it is.
+    #[test]
+    fn notes_are_sentences() {
+        let experiment = sample::experiment();
+        let declaration = (describe::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
+        let words = Words { experiment: &experiment, declaration };
+        for (note, text) in [
+            ("run-1.csv: voltage_V has a spike at 3 s", "run-1.csv: voltage has a spike at 3 s."),
+            ("the fit runs disagree.", "The fit runs disagree."),
+            ("iron_loss acts in some runs only", "Iron loss acts in some runs only."),
+        ] {
+            assert_eq!(words.note(note).into_string(), text);
+        }
+        let begin = words.note("thermal.C_w = 5 J/K is at its limit").into_string();
+        assert!(
+            begin.starts_with("heat capacity of the winding (<code>") && begin.ends_with("limit."),
+            "{begin}"
+        );
+    }
 
     /// Each kind of key in the sentences of a report; a parameter is described once and keeps its key, which a user types.
     #[test]
