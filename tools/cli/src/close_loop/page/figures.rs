@@ -185,22 +185,34 @@ fn sections(grid: &Grid) -> Vec<(String, Vec<(f64, f64)>)> {
     grid.points(1).iter().enumerate().map(section).collect()
 }
 
+/// Height of a line in its panel below which it is a straight line to the eye.
+const FLAT: f64 = 0.1;
+
 /// Readings that contradict the model, as recorded, as predicted by the preset, and as corrected.
 pub fn contradiction(found: &Illustration) -> Plate {
-    let mut figure = Figure::stacked("Contradiction", Axis::time()).thin();
+    let mut figure = Figure::stacked("Readings that contradict the model", Axis::time()).thin();
     let points = |values: &[f64]| found.time.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
+    let height = |values: &[f64]| {
+        let all = values.iter().filter(|x| x.is_finite());
+        let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        high - low
+    };
     for channel in &found.channels {
-        figure = figure.panel(Axis::new(&with_unit(channel.column)));
-        let lines = [
-            ("as recorded", Some(&channel.recorded)),
-            ("predicted by the preset", channel.predicted.as_ref()),
-            ("as corrected", channel.corrected.as_ref()),
-            ("predicted from the corrected readings", channel.predicted_corrected.as_ref()),
-        ];
-        for (colour, (label, values)) in lines.into_iter().enumerate() {
-            if let Some(values) = values {
-                figure = figure.colour(colour).line(label, points(values));
+        let label = with_unit(channel.column);
+        figure = figure.panel(Axis::new(&label)).line("as recorded", points(&channel.recorded));
+        if let Some(values) = &channel.predicted {
+            figure = figure.colour(1).line("predicted by the preset", points(values));
+        }
+        if let Some(values) = &channel.corrected {
+            // Next to readings of another order of magnitude they would be a straight line.
+            let ratio = height(values) / height(&channel.recorded);
+            if ratio < FLAT || ratio > 1.0 / FLAT {
+                figure = figure.panel(Axis::new(&label));
             }
+            figure = figure.colour(2).line("as corrected", points(values));
+        }
+        if let Some(values) = &channel.predicted_corrected {
+            figure = figure.colour(3).line("predicted from the corrected readings", points(values));
         }
     }
     let change = found.change.as_ref().map_or(String::new(), |change| {

@@ -13,6 +13,9 @@ use std::collections::HashSet;
 
 /// Heights of what was used above and below it up to which readings that were set aside are drawn; the scale remains that of the others.
 const AROUND: f64 = 1.0;
+/// Readings set aside from which on they are points, and the most that are drawn.
+const MANY_ASIDE: usize = 100;
+const MOST_ASIDE: usize = 600;
 /// Gaps that a caption lists; of more it names the longest.
 const FEW_GAPS: usize = 3;
 /// Part of the range that is left free at the end, where a point would lie half outside the frame.
@@ -24,6 +27,12 @@ const GREY: usize = 4;
 fn time(part: &Part) -> Axis {
     let has_points = part.curves.outputs.iter().any(|curve| part.is_sparse(curve));
     Axis::time().from_to(0.0, part.length() * if has_points { 1.0 + MARGIN } else { 1.0 })
+}
+
+/// First and last time of the rows that count, s from the start.
+fn counted(part: &Part) -> (f64, f64) {
+    let (from, to) = part.curves.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    ((from - part.start()).max(0.0), (to - part.start()).min(part.length()))
 }
 
 /// The noise of an output in the role of a run.
@@ -42,14 +51,30 @@ fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
 fn near(points: Vec<(f64, f64)>, (low, high): (f64, f64), least: f64) -> (Vec<(f64, f64)>, usize) {
     // Without anything else they make the scale.
     if low > high {
-        return (apart(points), 0);
+        return (thinned(points), 0);
     }
     let margin = AROUND * (high - low).max(least);
     let count = points.len();
     let mut kept = points;
     kept.retain(|p| (low - margin..=high + margin).contains(&p.1));
     let outside = count - kept.len();
-    (apart(kept), outside)
+    (thinned(kept), outside)
+}
+
+/// Readings that a figure shows apart from each other.
+fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let step = points.len().div_ceil(MOST_ASIDE).max(1);
+    points.into_iter().step_by(step).collect()
+}
+
+/// Readings that were set aside: few as rings, many as points, whose rings would be a bar.
+fn with_aside(figure: Figure, points: Vec<(f64, f64)>) -> Figure {
+    let figure = figure.colour(GREY);
+    if points.len() > MANY_ASIDE {
+        figure.points("set aside", points)
+    } else {
+        figure.rings("set aside", points)
+    }
 }
 
 /// Measured and predicted outputs of a run over time, with the inputs that change below them.
@@ -92,7 +117,7 @@ pub fn compared(part: &Part, data: Data, outcome: &Outcome) -> Plate {
         };
         figure = figure.colour(1).line(last_model(outcome), part.line(curve.after.iter().copied()));
         has_rings |= !rings.is_empty();
-        figure = figure.colour(GREY).rings("set aside", rings);
+        figure = with_aside(figure, rings);
         let name = column_words(curve.column).0;
         let is_used = curve.measured.iter().any(|x| x.is_finite());
         match (is_used, count) {
@@ -125,7 +150,7 @@ pub fn compared(part: &Part, data: Data, outcome: &Outcome) -> Plate {
         // One line needs no legend.
         figure =
             figure.panel(Axis::new(&with_unit(channel.column))).colour(2).line("", part.line(shown(&values)));
-        figure = figure.colour(GREY).rings("set aside", rings);
+        figure = with_aside(figure, rings);
         if outside > 0 {
             remarks.push(format!(
                 "{name}: {} that {} set aside outside the panel",
@@ -136,7 +161,7 @@ pub fn compared(part: &Part, data: Data, outcome: &Outcome) -> Plate {
     }
     caption += changing;
     if has_rings {
-        caption += " Rings: readings that were set aside (see Notes).";
+        caption += " Grey: readings that were set aside (see Notes).";
     }
     caption += &remarks.iter().map(|remark| format!(" {}.", super::capital(remark))).collect::<String>();
     caption += &gaps(part);
@@ -255,14 +280,14 @@ fn apart(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 
 /// Measured less model over time in the rows that count, for every output: with the preset, and once more without.
 pub fn residuals(part: &Part, outcome: &Outcome) -> Vec<Plate> {
-    let curves = part.curves;
+    let (curves, (from, to)) = (part.curves, counted(part));
     let mut all = Vec::new();
     for curve in curves.outputs.iter().filter(|c| part.is_line(c)) {
         let (name, unit) = column_words(curve.column);
         let noise = noise(curves, outcome, curve.column);
         let figure = |title: &str| {
             let y = Axis::new(&format!("measured − model{}", in_unit(unit)));
-            windowed(Figure::new(title, time(part), y).thin(), part).0
+            Figure::new(title, Axis::time().from_to(from, to), y).thin()
         };
         // Each with its colour, which is the same in both figures.
         let all_models =
@@ -283,9 +308,8 @@ pub fn residuals(part: &Part, outcome: &Outcome) -> Vec<Plate> {
             list.iter().fold(figure, |f, (word, colour, r)| f.colour(*colour).line(word, r.clone()))
         };
         all.push(Plate::new("residual", lines(figure(&name), &of_models), sizes(&of_models)));
-        let zero = vec![(0.0, 0.0), (part.length(), 0.0)];
         let near = figure(&format!("{name}, without the preset")).colour(GREY);
-        let near = near.band("noise, 95 %", zero, vec![WITHIN_95 * noise; 2]);
+        let near = near.band("noise, 95 %", vec![(from, 0.0), (to, 0.0)], vec![WITHIN_95 * noise; 2]);
         all.push(Plate::new("residual", lines(near, &of_models[1..]), sizes(&of_models[1..])));
     }
     all

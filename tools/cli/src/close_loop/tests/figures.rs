@@ -96,9 +96,9 @@ fn readings_that_were_set_aside_are_seen() {
     assert!(page.contains("Winding temperature: all readings were set aside (see Notes)."));
     // The sample measures 3 V and predicts 20 V: too far away for the panel.
     assert!(page.contains("Voltage: 3 readings that were set aside outside the panel."));
-    assert!(page.contains("Rings: readings that were set aside"));
+    assert!(page.contains("Grey: readings that were set aside"));
     let page = page_from(page::Data { used: &used, read: &used }, &outcome);
-    assert!(page.contains("Winding temperature: not measured in this run.") && !page.contains("Rings:"));
+    assert!(page.contains("Winding temperature: not measured in this run.") && !page.contains("Grey:"));
 }
 
 /// Without a port that explains anything there is a sentence in place of a figure.
