@@ -95,11 +95,8 @@ def _temperatures(panel, runs):
         every = max(1, run.time.size // POINTS)
         minutes = run.time / 60.0
         winding, housing = (run.motor[f"{node}_temperature"] - KELVIN for node in ("winding", "housing"))
-        low, high = _envelope(winding, stride)
-        x = minutes[stride // 2 :: stride][: low.size]
-        panel.fill_between(x, low, high, color=color, alpha=0.25, lw=0)
-        mean = winding[: low.size * stride].reshape(-1, stride).mean(axis=1)
-        panel.plot(x, mean, color=color, lw=1.8, label=f"winding, {name}")
+        mean = winding[: winding.size // stride * stride].reshape(-1, stride).mean(axis=1)
+        panel.plot(minutes[stride // 2 :: stride][: mean.size], mean, color=color, lw=1.8, label=f"winding, {name}")
         panel.plot(minutes[::every], housing[::every], color=color, ls="--", lw=1.2, label=f"housing, {name}")
         if run.motor["winding_temperature"][-1] > run.winding_limit:
             at = minutes[-1]
@@ -123,15 +120,9 @@ def _temperatures(panel, runs):
         color=GREY,
     )
     end = max(run.time[-1] for run in runs.values()) / 60.0
-    panel.set(title="Temperatures (band: within a stride)", xlabel="minutes of walking", ylabel="°C", xlim=(0, 1.01 * end))
+    panel.set(title="Temperatures (winding: mean of each stride)", xlabel="minutes of walking", ylabel="°C", xlim=(0, 1.01 * end))
     panel.legend(**BELOW)
     panel.margins(y=0.12)
-
-
-def _envelope(values, stride: int):
-    """Lowest and highest value in each whole stride."""
-    whole = values[: values.size // stride * stride].reshape(-1, stride)
-    return whole.min(axis=1), whole.max(axis=1)
 
 
 def operating_ranges(motors: dict, path):

@@ -194,3 +194,15 @@ def test_a_value_outside_its_limits_is_named(browser):
     fan.send_keys("1.5")
     wait(browser, "invalid")
     assert "Fan speed" in browser.find_element(By.ID, "status").text
+
+
+def test_models_that_do_not_start_are_reported(browser, tmp_path):
+    """As in a browser that has no WebAssembly: the page says so and does not wait for ever."""
+    before, after = PAGE.read_text(encoding="utf-8").split('<script id="models" type="text/plain">')
+    file = tmp_path / "page.html"
+    file.write_text(before + '<script id="models" type="text/plain">AGFzbQ==' + after[after.index("</script>") :], encoding="utf-8")
+    browser.get(file.as_uri())
+    state = "return document.documentElement.dataset.state"
+    WebDriverWait(browser, 30).until(lambda b: b.execute_script(state) == "failed", "the page waits")
+    assert browser.find_element(By.ID, "status").text.startswith("The computation stopped: ")
+    browser.get_log("browser")

@@ -292,7 +292,9 @@ fn summary(found: &Sweep, vary: &[Vary], case: &dyn Case) -> String {
     if let Some(best) = &found.best {
         let (shown, places) = (found.objectives[0].shown(), found.place(&best.values));
         let value = best.objective.map_or(String::new(), |value| significant(shown.of(value)));
-        text += &format!("best {} = {value}{} at {places}\n", found.objective, shown.unit(" "));
+        let later = found.objectives[0].most.filter(|most| best.objective == Some(*most));
+        let later = later.map_or("", |_| " (the limit is not reached in the simulated time)");
+        text += &format!("best {} = {value}{}{later} at {places}\n", found.objective, shown.unit(" "));
     }
     for edge in &found.best_at_edge {
         let shown = found.varied.iter().zip(&found.shown).find(|(name, _)| **name == edge.name);

@@ -2,7 +2,7 @@
 
 use crate::{Column, Error, Kind, Recording, Status};
 use present::figure::{Axis, Figure};
-use present::words::unit as written;
+use present::words::{sentence, unit as written};
 use std::path::Path;
 
 /// Panels that a figure may have; further outputs are named below it.
@@ -70,7 +70,7 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
     for (_, columns) in panels {
         let flags = columns.iter().all(|c| c.kind == Kind::Boolean);
         let axis = Axis::new(&axis_title(&columns));
-        figure = figure.panel(if flags { axis.from_to(-0.1, 1.1) } else { axis });
+        figure = figure.panel(if flags { axis.names(&["false", "true"]) } else { axis });
         for column in &columns {
             figure = figure.line(&words(&column.name), line(&recording.times, column));
         }
@@ -106,7 +106,8 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
 fn ended(recording: &Recording) -> String {
     let Some(time) = recording.ended_early else { return String::new() };
     let reason = recording.messages.iter().rev().find(|m| m.status != Status::Ok);
-    let reason = reason.map_or(String::new(), |message| format!(": {}", message.text.trim_end_matches('.')));
+    let reason =
+        reason.map_or(String::new(), |message| format!(": {}", sentence(message.text.trim_end_matches('.'))));
     format!(
         "The FMU ended the run in the step from {} s, before the stop time{reason}. ",
         present::number(time)
@@ -199,7 +200,8 @@ fn axis_title(columns: &[&Column]) -> String {
     };
     let quantity = QUANTITIES.iter().find(|(_, units)| units.contains(&unit.as_str())).map(|(name, _)| *name);
     match (unit.as_str(), quantity) {
-        (BOOLEAN, _) => unit,
+        (BOOLEAN, _) if only.is_empty() => unit,
+        (BOOLEAN, _) => only,
         ("", _) => {
             if only.is_empty() {
                 "value, without unit".to_owned()
@@ -215,12 +217,12 @@ fn axis_title(columns: &[&Column]) -> String {
     }
 }
 
-/// The axis of flags.
-const BOOLEAN: &str = "false 0, true 1";
+/// The axis of several flags.
+const BOOLEAN: &str = "false or true";
 
 /// Quantities by the units that no other quantity of machines has.
 const QUANTITIES: [(&str, &[&str]); 12] = [
-    ("temperature", &["°C", "degF"]),
+    ("temperature", &["°C", "°F"]),
     ("current", &["A", "mA"]),
     ("voltage", &["V", "mV"]),
     ("resistance", &["Ω", "mΩ"]),

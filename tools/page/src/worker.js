@@ -1,6 +1,9 @@
 // Runs the models beside the page, so that the page answers while they compute.
 let models;
-onmessage = async ({ data }) => {
+// A promise that fails raises no error of the worker, and the page would wait for ever: it is thrown again outside of the promise.
+onmessage = ({ data }) => answer(data).catch((error) => setTimeout(() => { throw error; }));
+
+async function answer(data) {
   if (data.wasm) {
     const bytes = Uint8Array.from(atob(data.wasm), (c) => c.charCodeAt(0));
     models = (await WebAssembly.instantiate(bytes, {})).instance.exports;
@@ -14,4 +17,4 @@ onmessage = async ({ data }) => {
   const length = models.answer();
   const text = new TextDecoder().decode(new Uint8Array(models.memory.buffer, models.text(), length));
   postMessage({ turn: data.turn, question: data.request.question, answer: JSON.parse(text), seconds: (performance.now() - begin) / 1000 });
-};
+}

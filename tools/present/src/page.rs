@@ -1,7 +1,7 @@
 //! Pages as HTML: one file each, complete in itself, for wide and narrow windows, light and dark, and paper.
 
 use crate::figure::Drawing;
-use crate::{DARK, LIGHT, Palette};
+use crate::{DARK, LIGHT, Palette, typeset};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// Rows of a table with more columns than this become blocks of lines in a narrow window.
@@ -19,7 +19,7 @@ fn scheme(p: &Palette) -> String {
 
 /// A page with its title as first heading.
 pub fn page(title: &str, body: Markup) -> String {
-    document(title, html! { h1 { (title) } (body) })
+    document(title, html! { h1 { (typeset(title)) } (body) })
 }
 
 /// A page of one figure in the middle; the title is in the figure.
@@ -65,14 +65,14 @@ impl Plate {
 
     /// The figure with its caption.
     pub fn markup(&self) -> Markup {
-        html! { figure { (PreEscaped(&self.svg)) figcaption { (self.caption) } } }
+        html! { figure { (PreEscaped(&self.svg)) figcaption { (typeset(&self.caption)) } } }
     }
 }
 
 /// An SVG for light paper from elsewhere with its caption. Its prologue is left out.
 pub fn picture(svg: &str, caption: &str) -> Option<Markup> {
     let svg = &svg[svg.find("<svg")?..];
-    Some(html! { figure.picture { (PreEscaped(svg)) figcaption { (caption) } } })
+    Some(html! { figure.picture { (PreEscaped(svg)) figcaption { (typeset(caption)) } } })
 }
 
 /// Figures side by side where there is room.
@@ -89,7 +89,7 @@ pub enum Cell {
     Number(String),
     /// A name of a variable or file as it is written.
     Code(String),
-    /// A unit of FMI; it stays in one line.
+    /// A unit of FMI; it stays in one line where there is room, and is broken between its factors where there is none.
     Unit(&'static str),
 }
 
@@ -128,10 +128,10 @@ pub fn labelled_table(id: &str, headers: &[&str], rows: Vec<(&str, Vec<Cell>)>) 
                 tr data-filter=[(!word.is_empty()).then_some(word)] {
                     @for (cell, header) in cells.iter().zip(headers) {
                         @match cell {
-                            Cell::Text(text) => td class=[(text.chars().count() > 60).then_some("w")] data-label=(header) { (text) },
+                            Cell::Text(text) => td class=[(text.chars().count() > 60).then_some("w")] data-label=(header) { (typeset(text)) },
                             // Several numbers in a cell may stand below each other.
-                            Cell::Number(text) => td.n.m[text.contains(", ")] data-label=(header) { (text) },
-                            Cell::Unit(name) => td.u data-label=(header) { (crate::words::unit(name)) },
+                            Cell::Number(text) => td.n.m[text.contains(", ")] data-label=(header) { (typeset(text)) },
+                            Cell::Unit(name) => td.u data-label=(header) { (breakable(&crate::words::unit(name))) },
                             Cell::Code(text) => td data-label=(header) { @if !text.is_empty() { code { (text) } } },
                         }
                     }
@@ -141,11 +141,50 @@ pub fn labelled_table(id: &str, headers: &[&str], rows: Vec<(&str, Vec<Cell>)>) 
     }
 }
 
+/// A unit that is longer than this is broken between its factors in a narrow column.
+const LONG_UNIT: usize = 6;
+
+/// A unit that may be broken behind its dots and bars.
+fn breakable(unit: &str) -> Markup {
+    let factors: Vec<&str> = match unit.chars().count() > LONG_UNIT {
+        true => unit.split_inclusive(['·', '/']).collect(),
+        false => vec![unit],
+    };
+    // The tests read pages as XML, in which every element ends.
+    html! { @for (k, factor) in factors.iter().enumerate() { @if k > 0 { (PreEscaped("<wbr/>")) } (factor) } }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::check;
     use crate::figure::{Axis, Figure};
+
+    /// A unit that is wider than its column would make the table scroll.
+    #[test]
+    fn long_units_may_be_broken_between_their_factors() {
+        let unit = |name: &'static str| table(&["unit"], vec![vec![Cell::Unit(name)]]).into_string();
+        assert!(
+            unit("N.m.s0.5/rad0.5").contains(">N·<wbr/>m·<wbr/>s^0.5/<wbr/>rad^0.5<"),
+            "{}",
+            unit("N.m.s0.5/rad0.5")
+        );
+        assert!(unit("N.m/A").contains(">N·m/A<") && unit("1").contains("data-label=\"unit\"></td>"));
+    }
+
+    /// What is printed has minus signs and numbers that stay with their units; what is code can be copied.
+    #[test]
+    fn texts_of_pages_are_typeset() {
+        let cells = vec!["at -5 K".into(), Cell::number(-0.25), Cell::Code("--set k=-1".into())];
+        let all = html! {
+            (table(&["place", "value", "command"], vec![cells]))
+            (picture("<svg></svg>", "Mean of -3 °C").unwrap())
+        };
+        let all = all.into_string();
+        for text in [">at −5\u{a0}K<", ">−0.25<", ">--set k=-1<", ">Mean of −3\u{a0}°C<"] {
+            assert!(all.contains(text), "{text}: {all}");
+        }
+    }
 
     #[test]
     fn a_page_of_all_parts_has_no_fault_and_escapes_what_it_is_given() {
@@ -171,13 +210,13 @@ mod tests {
         ] {
             assert!(page.contains(text), "{text}: {page}");
         }
-        assert!(STYLE.contains("td.u{white-space:nowrap}"));
+        assert!(STYLE.contains("@media (min-width:601px){td.u{white-space:nowrap}}"));
         assert!(
             STYLE.contains(".cards td.n:first-child::before"),
             "a number as the head of a block has its label"
         );
         // Several numbers in a cell may stand below each other.
-        assert!(page.contains("<td class=\"n m\" data-label=\"value\">15 min, 45 %<"), "{page}");
+        assert!(page.contains("<td class=\"n m\" data-label=\"value\">15\u{a0}min, 45\u{a0}%<"), "{page}");
         assert!(!page.contains("<?xml") && picture("png", "").is_none());
     }
 }

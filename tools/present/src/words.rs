@@ -1,5 +1,7 @@
 //! Names of variables and units as people write them.
 
+use crate::typeset::is_typed;
+
 /// Quantities that stand first in names, and are last in words: `loss_copper` is the copper loss.
 const QUANTITIES: [&str; 5] = ["energy", "loss", "power", "voltage", "work"];
 /// Words that keep their place behind a quantity.
@@ -32,12 +34,37 @@ pub fn words(name: &str) -> String {
     format!("{} {}", component.replace(['_', '.'], " "), parts.join(" ")).trim_start().to_owned()
 }
 
-/// A unit, or a text with units, in the usual notation: `N.m` is N·m, `W/K4` is W/K⁴, `s0.5` is s^0.5. A pure number has none.
+/// Symbols that programs write in letters.
+const LETTERS: [(&str, &str); 5] =
+    [("degC", "°C"), ("degF", "°F"), ("degR", "°R"), ("Ohm", "Ω"), ("ohm", "Ω")];
+
+/// A text with the symbols of units in place of the letters that programs write; ohmic is no unit.
+fn symbols(text: &str) -> String {
+    let mut written = String::new();
+    let mut rest = text;
+    while let Some(begin) = rest.find(|c: char| c.is_alphabetic()) {
+        let end = rest[begin..].find(|c: char| !c.is_alphabetic()).map_or(rest.len(), |k| begin + k);
+        let word = &rest[begin..end];
+        let known = LETTERS.iter().find_map(|(letters, symbol)| {
+            let prefix = word.strip_suffix(letters)?;
+            // Resistances have prefixes.
+            let is_prefix = prefix.is_empty() || *symbol == "Ω" && ["m", "k", "M", "µ"].contains(&prefix);
+            is_prefix.then(|| format!("{prefix}{symbol}"))
+        });
+        written += &rest[..begin];
+        written += known.as_deref().unwrap_or(word);
+        rest = &rest[end..];
+    }
+    written + rest
+}
+
+/// A unit, or a text with units, in the usual notation: `N.m` is N·m, `W/K4` is W/K⁴, `s0.5` is s^0.5, `degC` is °C. A pure
+/// number has none.
 pub fn unit(text: &str) -> String {
     if text == "1" {
         return String::new();
     }
-    let all: Vec<char> = text.replace("degC", "°C").replace("Ohm", "Ω").chars().collect();
+    let all: Vec<char> = symbols(text).chars().collect();
     let is = |k: usize, of: fn(&char) -> bool| all.get(k).is_some_and(of);
     let is_digit = |k: usize| is(k, char::is_ascii_digit);
     let (mut written, mut k) = (String::new(), 0);
@@ -67,18 +94,30 @@ fn raised(digit: &char) -> char {
     digit.to_digit(10).and_then(|d| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(d as usize)).unwrap_or(*digit)
 }
 
-/// A sentence with its names of variables in words and the units of its numbers in the usual notation.
+/// Ends of names of files, which are no variables.
+const FILES: [&str; 9] = ["csv", "toml", "json", "html", "svg", "png", "fmu", "txt", "md"];
+
+/// A sentence with its names of variables in words and its units in the usual notation, behind numbers and behind "in". An option, its
+/// value and an assignment (`--set load_torque=1`) stay as they are typed.
 pub fn sentence(text: &str) -> String {
     let is_word = |part: &str| part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase());
-    let mut after_number = false;
+    let is_file = |name: &str| name.rsplit_once('.').is_some_and(|(_, end)| FILES.contains(&end));
+    let (mut after_option, mut after_number, mut after_in) = (false, false, false);
+    let is_unit = |part: &str| crate::units::is_unit(&unit(part.trim_matches([',', ';', ':', '.'])));
     let parts = text.split(' ').map(|part| {
         let name = part.trim_matches(|c: char| !c.is_ascii_alphanumeric());
-        let written = match name.contains('_') && name.split(['_', '.']).all(is_word) {
-            true => part.replace(name, &words(name)),
-            false if after_number => unit(part),
+        let is_name = name.contains('_') && name.split(['_', '.']).all(is_word) && !is_file(name);
+        let written = match is_typed(part) || after_option {
+            true => part.to_owned(),
+            false if is_name => part.replace(name, &words(name)),
+            // "in the" is no unit, "in degF" and "in V.s/rad" are.
+            false if after_number || after_in && is_unit(part) => unit(part),
             false => part.to_owned(),
         };
-        after_number = part.trim_start_matches('(').parse::<f64>().is_ok();
+        after_option =
+            part.trim_start_matches(['(', '\'', '"', '`']).starts_with("--") && !part.contains('=');
+        let number = part.trim_start_matches(['(', '±', '-', '−']);
+        (after_number, after_in) = (number.parse::<f64>().is_ok(), part == "in");
         written
     });
     parts.collect::<Vec<_>>().join(" ")
@@ -114,6 +153,20 @@ mod tests {
         for (given, expected) in [
             ("loss_copper = 3 W/m2 (270.0 degC);", "copper loss = 3 W/m² (270.0 °C);"),
             ("validity.winding_temperature, walk.toml", "validity winding temperature, walk.toml"),
+            // What is typed stays as it is typed.
+            (
+                "--set load_torque=... leaves load_torque free (or imposed_speed=0)",
+                "--set load_torque=... leaves load torque free (or imposed_speed=0)",
+            ),
+            ("--vary fan_command gives fan_command,", "--vary fan_command gives fan command,"),
+            (
+                "'--outputs joint_torque', the file walk_cycle.csv",
+                "'--outputs joint_torque', the file walk_cycle.csv",
+            ),
+            (
+                "readings in degF, constant in V.s/rad, in the end, in e.g. this",
+                "readings in °F, constant in V·s/rad, in the end, in e.g. this",
+            ),
             ("thermal.T_w_max of maxon-re40-148877", "thermal.T_w_max of maxon-re40-148877"),
         ] {
             assert_eq!(sentence(given), expected);
@@ -136,6 +189,12 @@ mod tests {
             ("1/min", "1/min"),
             ("0.1 N.m at 12.5 degC.", "0.1 N·m at 12.5 °C."),
             ("Ohm", "Ω"),
+            ("ohm.m, mOhm, kohm", "Ω·m, mΩ, kΩ"),
+            ("degF", "°F"),
+            ("80 degR", "80 °R"),
+            ("ohmic Ohmmeter", "ohmic Ohmmeter"),
+            ("rpm", "rpm"),
+            ("deg/s", "deg/s"),
         ] {
             assert_eq!(unit(given), expected);
         }

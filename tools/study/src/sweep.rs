@@ -128,6 +128,9 @@ pub struct Sweep {
     /// The units in which their values are shown.
     #[serde(skip)]
     pub shown: Vec<Shown>,
+    /// What they are, for the axis of a figure.
+    #[serde(skip)]
+    pub meanings: Vec<Option<&'static str>>,
     /// Name of the first objective.
     pub objective: String,
     /// Its unit.
@@ -214,6 +217,7 @@ pub fn sweep(
         varied: vary.iter().map(|v| v.name.clone()).collect(),
         shown: vary.iter().zip(&units).map(shown).collect(),
         units,
+        meanings: vary.iter().map(|v| case.meaning(&v.name)).collect(),
         objective: first.name,
         objective_unit: first.unit,
         objectives,

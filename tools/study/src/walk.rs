@@ -28,7 +28,7 @@ mod support;
 mod tests;
 mod walker;
 
-pub use answer::{Known, Objective, Walked, check_hours, periodic, walk};
+pub use answer::{Known, Objective, TIME_TO_LIMIT, Walked, check_hours, periodic, walk};
 pub use cycle_file::{Drive, SETTINGS, Setting};
 pub use envelope::{Envelope, EnvelopePoint};
 pub use load::{Derived, Load, MOTOR, Words};

@@ -1,7 +1,105 @@
-//! Fewer points for a line, with every peak kept.
+//! Fewer points for a line, with every peak kept; and lines that go up and down more often than pixels can show, as bands.
+
+use super::scale::Scale;
 
 /// Points a drawn line may have, about.
 const MAX_POINTS: usize = 2000;
+
+/// Width in pixels of a step of a band.
+pub(super) const STEP: f64 = 3.0;
+/// Steps on both sides of a step over which turns are counted.
+const AROUND: usize = 2;
+/// A swing of this many pixels is a turn.
+const SWING: f64 = 2.0;
+/// Steps that a band has at least.
+const LEAST_STEPS: usize = 8;
+
+/// What is drawn of a line: itself, and in its place a mean with a band where it turns at every pixel.
+#[derive(Default)]
+pub(super) struct Drawn {
+    pub line: Vec<(f64, f64)>,
+    /// Places with the least and the greatest value, band by band.
+    pub bands: Vec<Vec<(f64, f64, f64)>>,
+}
+
+/// A line as it is drawn. Where it turns at each pixel or more often, it would fill an area and hide what lies below; there, its mean is drawn
+/// over the band from its least to its greatest value.
+pub(super) fn drawn(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Drawn {
+    let is_crowded = crowded(points, x, y);
+    if !is_crowded.contains(&true) {
+        return Drawn { line: thinned(points), bands: Vec::new() };
+    }
+    let step_of = |p: &(f64, f64)| step(p, x, y, is_crowded.len());
+    let mut drawn = Drawn::default();
+    for run in points.chunk_by(|a, b| {
+        let crowd = |p| step_of(p).is_some_and(|k| is_crowded[k]);
+        crowd(a) == crowd(b)
+    }) {
+        if !step_of(&run[0]).is_some_and(|k| is_crowded[k]) {
+            drawn.line.extend(thinned(run));
+            continue;
+        }
+        let mut band = Vec::new();
+        for part in run.chunk_by(|a, b| step_of(a) == step_of(b)) {
+            let (low, high) = part.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.1), h.max(p.1)));
+            let (from, to) = (part[0].0, part[part.len() - 1].0);
+            let mean = mean(part);
+            // A part reaches to both its ends, so that a band is as long as its line.
+            let ends = [from, to];
+            band.extend(ends.map(|at| (at, low, high)));
+            drawn.line.push((0.5 * (from + to), mean));
+        }
+        drawn.bands.push(band);
+    }
+    drawn
+}
+
+/// The step of a point; none for what is outside the panel, or no number.
+fn step(p: &(f64, f64), x: &Scale, y: &Scale, steps: usize) -> Option<usize> {
+    let is_inside = x.holds(p.0) && y.holds(p.1);
+    is_inside.then(|| (((x.at(p.0) - x.pixels.0) / STEP).max(0.0) as usize).min(steps - 1))
+}
+
+/// For each step of a panel whether a line turns in and around it at each pixel.
+fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Vec<bool> {
+    let steps = ((x.pixels.1 - x.pixels.0) / STEP).ceil().max(1.0) as usize;
+    // Few points cannot crowd, and only over a growing x do neighbours belong together.
+    if points.len() < LEAST_STEPS * STEP as usize || !points.is_sorted_by(|a, b| a.0 <= b.0) {
+        return vec![false; steps];
+    }
+    let mut turns = vec![0.0; steps];
+    // The last extreme, and whether the line went up to it.
+    let (mut extreme, mut went_up) = (f64::NAN, true);
+    for p in points {
+        let Some(step) = step(p, x, y, steps) else { continue };
+        let py = y.at(p.1);
+        let swing = if went_up { py - extreme } else { extreme - py };
+        if extreme.is_nan() || swing > 0.0 {
+            extreme = py;
+        } else if swing < -SWING {
+            turns[step] += 1.0;
+            (extreme, went_up) = (py, !went_up);
+        }
+    }
+    let around = |k: usize| k.saturating_sub(AROUND)..(k + AROUND + 1).min(steps);
+    let mut crowded: Vec<bool> =
+        (0..steps).map(|k| turns[around(k)].iter().sum::<f64>() >= STEP * around(k).len() as f64).collect();
+    for run in crowded.chunk_by_mut(|a, b| a == b) {
+        if run.len() < LEAST_STEPS {
+            run.fill(false);
+        }
+    }
+    crowded
+}
+
+/// The mean of a piece of a line over its x.
+fn mean(part: &[(f64, f64)]) -> f64 {
+    let wide = part[part.len() - 1].0 - part[0].0;
+    if wide <= 0.0 {
+        return part.iter().map(|p| p.1).sum::<f64>() / part.len() as f64;
+    }
+    part.windows(2).map(|p| 0.5 * (p[0].1 + p[1].1) * (p[1].0 - p[0].0)).sum::<f64>() / wide
+}
 
 /// At most about 2000 of the points: of each bunch of neighbours the lowest and the highest, in the order given; first and last always.
 /// What is no number is kept once per bunch, so that gaps stay visible.

@@ -1,13 +1,13 @@
 //! Figures with a row for each name: bars from zero, and points with intervals. The name stands above its marks.
 
-use super::layout::{
-    BASELINE, LINE, PAD, Scale, Swatch, WIDTH, below, frame, legend, place, text, width, wrap,
-};
+use super::layout::{BASELINE, LINE, PAD, Swatch, WIDTH, below, frame, legend, place, text, width, wrap};
+use super::scale::Scale;
 use super::{Axis, Drawing};
 use maud::{Markup, html};
 
-/// Height of the marks of a row.
+/// Height of the marks of a row, and of what is free between its name and them and below them.
 const STRIP: f64 = 20.0;
+const FREE: (f64, f64) = (3.0, 6.0);
 
 /// What stands in a row.
 #[derive(Clone, Debug)]
@@ -79,19 +79,27 @@ impl Drawing for Rows {
         let entries = self.series.iter().enumerate().filter(|(_, s)| !s.is_empty());
         let (legend, top) = legend(entries.map(|(k, s)| (s.as_str(), k, self.swatch(k))).collect());
         let ticks = x.ticks_that_fit();
-        let quantity = wrap(&ticks.with_power(&self.axis.label(&x)), x.pixels.1 - x.pixels.0);
+        let quantity = wrap(&self.axis.title(&x, &ticks), x.pixels.1 - x.pixels.0);
         let names: Vec<_> = self.rows.iter().map(|row| wrap(&row.name, WIDTH - 2.0 * PAD)).collect();
-        let tall = |name: &Vec<String>| LINE * name.len() as f64 + STRIP + 4.0;
-        let bottom = names.iter().map(tall).sum::<f64>() + 8.0;
+        let tall = |name: &Vec<String>| LINE * name.len() as f64 + FREE.0 + STRIP + FREE.1;
+        let bottom = names.iter().map(tall).sum::<f64>() + 2.0;
         let mut y = 0.0;
         let rows = html! {
             @for (value, name) in ticks.marks() {
-                path class=(if value == 0.0 { "a" } else { "g" }) d=(format_args!("M{:.1} 0V{bottom:.1}", x.at(value))) {}
+                // A grid line behind a name would strike it through.
+                @let (mut y, mut line) = (0.0, String::new());
+                @let _ = for name in &names {
+                    let below_name = y + LINE * name.len() as f64 + 1.0;
+                    y += tall(name);
+                    line += &format!("M{:.1} {below_name:.1}V{y:.1}", x.at(value));
+                };
+                path class=(if value == 0.0 { "a" } else { "g" }) d=(line) {}
                 (below(x.at(value), bottom + LINE - 2.0, &name))
             }
+            path.a d=(format_args!("M{:.1} {bottom:.1}H{:.1}", x.pixels.0, x.pixels.1)) {}
             @for (row, name) in self.rows.iter().zip(&names) {
-                @for (k, line) in name.iter().enumerate() { (text(PAD + 2.0, y + LINE * (k as f64 + 1.0) - 3.0, "o", line)) }
-                (draw(row, &x, y + LINE * name.len() as f64 + 0.5 * STRIP))
+                @for (k, line) in name.iter().enumerate() { (text(PAD + 2.0, y + LINE * (k as f64 + 1.0) - 4.0, "o", line)) }
+                (draw(row, &x, y + LINE * name.len() as f64 + FREE.0 + 0.5 * STRIP))
                 @let _ = y += tall(name);
             }
             @for (k, line) in quantity.iter().enumerate() {
@@ -106,6 +114,9 @@ impl Drawing for Rows {
 fn draw(row: &Row, x: &Scale, y: f64) -> Markup {
     let points = row.marks.iter().filter(|(_, m)| matches!(m, Mark::Point(..))).count();
     let mut nth = 0;
+    // What is wide lies below; points stand in the order of the legend, whatever the order they are given in.
+    let mut marks: Vec<_> = row.marks.iter().collect();
+    marks.sort_by_key(|(series, mark)| (matches!(mark, Mark::Point(..)), *series));
     let bar = |class: String, from: f64, to: f64, height: f64| {
         let (left, right) = (x.at(from.min(to)), x.at(from.max(to)));
         html! {
@@ -114,7 +125,7 @@ fn draw(row: &Row, x: &Scale, y: f64) -> Markup {
         }
     };
     html! {
-        @for (colour, mark) in &row.marks {
+        @for (colour, mark) in marks {
             @match mark {
                 Mark::Bar(to, remark) if to.is_finite() => {
                     (bar(format!("d{colour}"), 0.0, *to, 14.0))
@@ -166,5 +177,30 @@ mod tests {
         let svg = Rows::new("t", "l", &["s"], vec![row("a", marks)]).svg();
         assert!(!svg.contains("NaN") && svg.matches("<circle").count() == 1, "{svg}");
         assert!(!Rows::new("t", "l", &[], Vec::new()).svg().contains("NaN"));
+    }
+
+    /// The first name of the legend is the upper point, and no grid line goes through a name.
+    #[test]
+    fn points_stand_in_the_order_of_the_legend() {
+        let point = |series: usize, at: f64| (series, Mark::Point(at, (at - 0.1, at + 0.1)));
+        let given = vec![(2, Mark::Span(-1.0, 1.0)), point(1, 0.5), point(0, 0.6)];
+        let svg = Rows::new("t", "l", &["after", "refit", "prior"], vec![row("gain_phys", given)]).svg();
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let y = |class: &str| {
+            let points = document
+                .descendants()
+                .filter(|n| n.attribute("class") == Some(class) && n.has_tag_name("circle"));
+            points.last().unwrap().attribute("cy").unwrap().parse::<f64>().unwrap()
+        };
+        assert!(y("p d0") < y("p d1"), "{svg}");
+        let grid = document
+            .descendants()
+            .filter(|n| n.attribute("class") == Some("g"))
+            .filter_map(|n| n.attribute("d"));
+        assert!(grid.clone().count() > 2);
+        for line in grid {
+            let top: f64 = line[1..].split([' ', 'V']).nth(1).unwrap().parse().unwrap();
+            assert!(top > LINE, "{line}");
+        }
     }
 }

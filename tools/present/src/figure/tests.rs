@@ -23,7 +23,7 @@ fn path(svg: &str, class: &str, k: usize) -> String {
 /// 0 to 10 on both axes, without a margin on x and with 6 % on y: the frame's ends by hand.
 #[test]
 fn a_point_lies_where_its_value_is() {
-    let svg = parsed(&figure().line("l", vec![(0.0, 0.0), (10.0, 10.0)]));
+    let svg = parsed(&figure().dashed("l", vec![(0.0, 0.0), (10.0, 10.0)]));
     let left = PAD + width("10") + 8.0;
     let (low, high) = (HEIGHT.0 * (1.0 - 0.06 / 1.12), HEIGHT.0 * 0.06 / 1.12);
     assert_eq!(path(&svg, "l k0", 0), format!("M{left:.1} {low:.1}L{:.1} {high:.1}", WIDTH - PAD));
@@ -62,9 +62,178 @@ fn rings_are_not_filled() {
 #[test]
 fn a_value_between_gaps_is_a_point() {
     let gap = f64::NAN;
-    let line = vec![(0.0, 1.0), (1.0, gap), (2.0, 2.0), (3.0, 3.0), (4.0, gap), (5.0, 1.5)];
-    let dots = |points: Vec<(f64, f64)>| parsed(&figure().line("l", points)).matches("<circle").count();
-    assert_eq!((dots(line), dots(vec![(0.0, 1.0)]), dots(vec![(0.0, 1.0), (1.0, 1.0)])), (2, 1, 0));
+    let mut line: Vec<(f64, f64)> = (0..100).map(|k| (f64::from(k), 1.0)).collect();
+    (line[1].1, line[50].1, line[52].1) = (gap, gap, gap);
+    let dots =
+        |points: &[(f64, f64)]| parsed(&figure().line("l", points.to_vec())).matches("<circle").count();
+    assert_eq!((dots(&line), dots(&line[2..50])), (2, 0));
+}
+
+/// Between few values a reader sees a kink as physics, unless the values are marked; the only value of a sweep is as large as a point.
+#[test]
+fn few_values_are_marked() {
+    let line = |count: u32| (0..count).map(|k| (f64::from(k), f64::from(k % 5))).collect::<Vec<_>>();
+    let marks = |points: Vec<(f64, f64)>, radius: &str| {
+        let svg = parsed(&figure().line("l", points));
+        svg.matches("<circle").count() * usize::from(svg.contains(radius))
+    };
+    let small = "r=\"2.2\"";
+    assert_eq!((marks(line(30), small), marks(line(31), small), marks(line(1), "r=\"4\"")), (30, 0, 1));
+    // Steps, and a curve that comes back.
+    let (steps, curve) = (vec![(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)], vec![(0.0, 0.0), (1.0, 1.0), (0.5, 2.0)]);
+    assert_eq!((marks(steps, small), marks(curve, small)), (0, 0));
+}
+
+/// A peak at the begin of a record is not on the y axis.
+#[test]
+fn a_jump_at_the_begin_is_off_the_axis() {
+    let start = |first: f64| {
+        let line = (0..200)
+            .map(|k| (f64::from(k), if k == 0 { first } else { 1.0 + 0.01 * f64::from(k) }))
+            .collect();
+        let svg = parsed(&figure().line("l", line));
+        let (axis, line) = (path(&svg, "a", 0), path(&svg, "l k0", 0));
+        let x = |path: &str| path[1..].split(' ').next().unwrap().parse::<f64>().unwrap();
+        x(&line) - x(&axis)
+    };
+    assert!(start(40.0) > 4.0 && start(1.0) == 0.0);
+}
+
+/// Lines that agree would hide each other: each is seen in turn, also with other corners and other values between them.
+#[test]
+fn equal_lines_are_seen() {
+    let wave = |points: u32, by: f64| {
+        (0..=points)
+            .map(|k| f64::from(k) / f64::from(points))
+            .map(|x| (x, (20.0 * x).sin() + by))
+            .collect::<Vec<_>>()
+    };
+    let svg =
+        parsed(&figure().line("a", wave(500, 0.0)).line("b", wave(700, 0.002)).line("c", wave(300, 1.0)));
+    assert_eq!(svg.matches("stroke-dasharray=\"6 6\"").count(), 2, "second line and its key: {svg}");
+    let thrice =
+        parsed(&figure().line("a", wave(500, 0.0)).line("b", wave(500, 0.0)).line("c", wave(500, 0.0)));
+    for (dashes, offset) in [("6 12", "-6"), ("6 12", "-12")] {
+        assert!(
+            thrice.contains(&format!("stroke-dasharray=\"{dashes}\" stroke-dashoffset=\"{offset}\"")),
+            "{thrice}"
+        );
+    }
+    // Lines that cross, and one that joins the other at its end, differ.
+    let apart = parsed(
+        &figure()
+            .line("a", wave(500, 0.0))
+            .line("b", wave(500, 0.3))
+            .line("c", vec![(0.0, 1.0), (1.0, -1.0)]),
+    );
+    assert!(!apart.contains("stroke-dasharray="), "{apart}");
+    // A measured line of which the prediction goes on.
+    let longer =
+        parsed(&figure().line("measured", wave(500, 0.0)[..100].to_vec()).line("model", wave(500, 0.0)));
+    assert!(longer.contains("stroke-dasharray=\"6 6\""));
+}
+
+/// A dashed line, such as a limit that changes, lies over the line that it meets, whichever comes first.
+#[test]
+fn dashes_are_over_lines() {
+    let line = vec![(0.0, 1.0), (1.0, 2.0)];
+    let svg = parsed(&figure().dashed("limit", line.clone()).line("value", line));
+    assert!(svg.rfind("stroke-dasharray=\"6 6\"").unwrap() > svg.rfind("class=\"l k1\"").unwrap(), "{svg}");
+}
+
+#[test]
+fn equal_points_are_seen() {
+    let points: Vec<(f64, f64)> = (0..6).map(|k| (f64::from(k), f64::from(k * k))).collect();
+    let svg = parsed(&figure().points("a", points.clone()).points("b", points.clone()));
+    assert_eq!(svg.matches("<circle class=\"k k1\"").count(), 7, "rings and their key: {svg}");
+    let moved = points.iter().map(|p| (p.0, p.1 + 5.0)).collect();
+    assert!(!parsed(&figure().points("a", points).points("b", moved)).contains("class=\"k k1\""));
+}
+
+/// Half an hour of strides fills an area: the mean is a line over the band, and what is smooth stays a line.
+#[test]
+fn a_crowded_line_is_a_band_with_its_mean() {
+    let walk = |t: f64| 2.0 + (6.0 * t).sin() + if t > 900.0 { 1.0 } else { 0.0 };
+    let times = || (0..180_000).map(|k| f64::from(k) * 0.01);
+    let figure = Figure::new("", Axis::time(), Axis::new("torque in N·m"));
+    let figure = figure
+        .line("walk", times().map(|t| (t, walk(t))).collect())
+        .line("smooth", times().map(|t| (t, 0.001 * t)).collect());
+    let svg = parsed(&figure);
+    assert_eq!((svg.matches("class=\"q d0 k0\"").count(), svg.matches("class=\"q d1").count()), (1, 0));
+    assert!(svg.contains("Band: least to greatest value in 0.2 min, line: mean."), "{svg}");
+    // The mean is 2 before the step and 3 behind it: 3 and 2 above the bottom of a range from 0 to 4 with its margins.
+    let mean = path(&svg, "l k0", 0);
+    let ys: Vec<f64> = mean.split(['M', 'L']).filter_map(|p| p.split_once(' ')?.1.parse().ok()).collect();
+    let at = |value: f64| HEIGHT.0 * (1.0 - (value + 0.24) / 4.48);
+    assert!((ys[20] - at(2.0)).abs() < 3.0 && (ys[ys.len() - 20] - at(3.0)).abs() < 3.0, "{ys:?}");
+    assert!(svg.len() < 60_000, "{}", svg.len());
+}
+
+/// A few peaks of a smooth line are not a band, and are not averaged.
+#[test]
+fn single_peaks_stay_lines() {
+    let peak = |k: u32| if k % 10_000 == 5000 { 9.0 } else { 0.0 };
+    let line = (0..100_000).map(|k| (f64::from(k), peak(k))).collect();
+    let svg = parsed(&figure().line("l", line));
+    assert!(!svg.contains("class=\"q") && path(&svg, "l k0", 0).matches(" 11.8").count() == 10, "{svg}");
+}
+
+/// The label of a limit stands where no curve is; where there is no such place, it is in the legend.
+#[test]
+fn labels_of_limits_hide_nothing() {
+    let label = "supply voltage 48 V";
+    let place = |line: Vec<(f64, f64)>| {
+        let svg = parsed(&figure().line("voltage", line).limit(48.0, label));
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let text =
+            document.descendants().find(|n| n.has_tag_name("text") && n.text() == Some(label)).unwrap();
+        let number = |name: &str| text.attribute(name).unwrap().parse::<f64>().unwrap();
+        (number("x"), text.attribute("class") == Some("o"))
+    };
+    let free = place(vec![(0.0, 0.0), (1.0, 10.0)]);
+    assert!(free.1 && free.0 < 60.0, "{free:?}");
+    // A curve about the limit in a part of the panel, and in the whole panel.
+    let busy = |from: f64, to: f64| {
+        let value = |x: f64, k: u32| if x >= from && x <= to { 40.0 + 16.0 * f64::from(k % 2) } else { 0.0 };
+        (0..=100).map(|k| (f64::from(k) / 100.0, value(f64::from(k) / 100.0, k))).collect::<Vec<_>>()
+    };
+    let (early, late, all) = (place(busy(0.0, 0.5)), place(busy(0.5, 1.0)), place(busy(0.0, 1.0)));
+    assert!(early.1 && early.0 > 250.0 && late.1 && late.0 < 60.0 && !all.1, "{early:?}, {late:?}, {all:?}");
+}
+
+/// Words over a curve would delete it: notes stand above the first panel, and only there.
+#[test]
+fn notes_are_above_the_first_panel() {
+    let line: Vec<(f64, f64)> = (0..100).map(|k| (f64::from(k), 1.0)).collect();
+    let figure =
+        figure().line("a", line.clone()).panel(Axis::new("b in K")).line("b", line).note(50.0, "window ends");
+    let svg = parsed(&figure);
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let texts = document.descendants().filter(|n| n.has_tag_name("text") && n.text() == Some("window ends"));
+    let heights: Vec<f64> = texts.map(|n| n.attribute("y").unwrap().parse().unwrap()).collect();
+    // Twice: the text and its outline; the frame is at 0.
+    assert!(heights.len() == 2 && heights.iter().all(|y| *y < 0.0), "{heights:?}");
+    assert_eq!(svg.matches("class=\"n\"").count(), 2, "a line in each panel");
+}
+
+#[test]
+fn a_flag_has_two_names() {
+    let flag = vec![(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (30.0, 1.0)];
+    let svg =
+        parsed(&Figure::new("", Axis::time(), Axis::new("alarm").names(&["false", "true"])).line("", flag));
+    assert!(svg.contains(">false<") && svg.contains(">true<") && !svg.contains(">0.5<"), "{svg}");
+}
+
+/// What is written into a figure has true minus signs; names are as they are.
+#[test]
+fn numbers_in_a_figure_have_minus_signs() {
+    let figure =
+        figure().line("at -5 °C", vec![(0.0, -48.0), (1.0, 0.0)]).limit(-48.0, "supply voltage -48 V");
+    let svg = parsed(&figure.remark("run-4.csv: -3 K"));
+    for text in ["at −5 °C", "supply voltage −48 V", "run-4.csv: −3 K", "−40"] {
+        assert!(svg.contains(text), "{text}: {svg}");
+    }
 }
 
 /// Half a unit up and down about a line at 1: the axis holds it, and the outline closes.

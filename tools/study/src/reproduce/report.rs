@@ -10,6 +10,7 @@ use super::{Printed, Row, Verdict, significant};
 use maud::{Markup, PreEscaped, html};
 use present::figure::{Axis, Figure};
 use present::page::{Cell, Plate, labelled_table, page, plates};
+use present::words::{sentence, unit};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -128,7 +129,7 @@ fn all_rows(rows: &[Row]) -> Markup {
         let corrected = Cell::Number(corrected.into_iter().chain(others).collect::<Vec<_>>().join(", "));
         let published = match &row.printed {
             Printed::Number(value) => number(Some(*value)),
-            Printed::Text(text) => text.as_str().into(),
+            Printed::Text(text) => sentence(text).into(),
         };
         let cells = vec![
             row.id.as_str().into(),
@@ -138,9 +139,9 @@ fn all_rows(rows: &[Row]) -> Markup {
             number(row.as_published),
             corrected,
             number(row.measured),
-            row.unit.as_str().into(),
+            unit(&row.unit).into(),
             row.verdict.text().into(),
-            row.note.as_str().into(),
+            sentence(&row.note).into(),
         ];
         (row.verdict.text(), cells)
     });

@@ -6,7 +6,7 @@ use super::{count, grid_point};
 use crate::StudyError;
 use crate::notes::Notes;
 use crate::steady::{Continuous, Setup, continuous_torque, steady};
-use crate::walk::{Known, Load, Objective, Setting};
+use crate::walk::{Known, Load, Objective, Setting, TIME_TO_LIMIT};
 use describe::Preset;
 use describe::preset::nearest;
 use physics::declare::Kind;
@@ -29,6 +29,9 @@ pub struct Target {
     /// Whether it is a difference of two temperatures.
     #[serde(skip)]
     pub is_difference: bool,
+    /// The value of a point at which the simulated time ends before the quantity has one: a lower limit of it.
+    #[serde(skip)]
+    pub most: Option<f64>,
 }
 
 impl Target {
@@ -84,6 +87,8 @@ pub trait Case: Sync {
     fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError>;
     /// Limits of a variable, where it has some.
     fn limits(&self, name: &str) -> Option<(f64, f64)>;
+    /// What a variable is: the first clause of its description.
+    fn meaning(&self, name: &str) -> Option<&'static str>;
     /// What has no effect at any point, in sentences.
     ///
     /// # Errors
@@ -112,6 +117,11 @@ fn unit_of(entry: &Entry) -> &'static str {
         Kind::Enumeration(_) | Kind::Boolean => "1",
         _ => entry.row.unit.name(),
     }
+}
+
+/// The part of a description that says what the variable is; behind it stands what it depends on.
+fn first_clause(entry: &'static Entry) -> Option<&'static str> {
+    entry.row.doc.split([';', ':', '(']).next().map(|text| text.trim().trim_end_matches('.'))
 }
 
 /// The conversion of numbers of a variable in `unit` to SI units; only a variable with a declaration can be a difference.
@@ -176,7 +186,7 @@ impl Case for ConstantInputs {
         let is_difference = entry.row.relative;
         let is_delivered = ["mechanical", "shaft"].iter().any(|word| name.contains(word));
         let least_is_best = COSTS.contains(&unit) && !is_delivered && !is_difference;
-        Ok(Target { name: name.to_owned(), unit, least_is_best, is_difference })
+        Ok(Target { name: name.to_owned(), unit, least_is_best, is_difference, most: None })
     }
 
     fn unit(&self, name: &str) -> Result<&'static str, StudyError> {
@@ -219,6 +229,10 @@ impl Case for ConstantInputs {
         Some((row.min, row.max))
     }
 
+    fn meaning(&self, name: &str) -> Option<&'static str> {
+        self.setup.bench().ok()?.entry(name).ok().and_then(first_clause)
+    }
+
     fn notes(&self, vary: &[Vary]) -> Result<Vec<String>, StudyError> {
         let points = at_ends(vary, |sets| self.point(sets))?;
         Setup::notes_of(&points, &names(vary))
@@ -253,7 +267,8 @@ impl Walking {
 impl Case for Walking {
     fn target(&self, name: &str) -> Result<Target, StudyError> {
         let Objective { name, unit, least_is_best, .. } = Objective::named(name)?;
-        Ok(Target { name: name.to_owned(), unit, least_is_best, is_difference: false })
+        let most = (name == TIME_TO_LIMIT).then_some(self.hours * 3600.0);
+        Ok(Target { name: name.to_owned(), unit, least_is_best, is_difference: false, most })
     }
 
     fn unit(&self, name: &str) -> Result<&'static str, StudyError> {
@@ -301,6 +316,10 @@ impl Case for Walking {
         }
         let row = self.load.owner(name).ok()?.entry(name).ok()?.row;
         Some((row.min, row.max))
+    }
+
+    fn meaning(&self, name: &str) -> Option<&'static str> {
+        self.load.owner(name).ok()?.entry(name).ok().and_then(first_clause)
     }
 
     fn notes(&self, vary: &[Vary]) -> Result<Vec<String>, StudyError> {

@@ -1,6 +1,6 @@
 //! A sweep as CSV and as a figure.
 
-use super::infeasible::item;
+use super::infeasible::{item, named};
 use super::{Choice, Shown, Sweep, Vary};
 use crate::StudyError;
 use present::figure::{Axis, Figure};
@@ -27,55 +27,81 @@ impl Sweep {
         text
     }
 
-    /// The figure: the first objective over the first variable, a line for each combination of the others.
+    /// The figure: each objective over the first variable, a line for each combination of the others.
     ///
     /// # Errors
     /// As [`check_figure`].
     pub fn figure(&self) -> Result<Figure, StudyError> {
-        let axis = |name: &str, of: &Shown| Axis::new(&format!("{}{}", words(name), unit(&of.unit(" in "))));
+        let axis = |what: &str, of: &Shown| Axis::new(&format!("{what}{}", unit(&of.unit(" in "))));
         let source = self.source.as_ref().map_or(String::new(), |source| format!(". {source}"));
-        let objective = self.objectives[0].shown();
-        let varied: Vec<String> = self.varied.iter().map(|name| words(name)).collect();
-        let mut figure = Figure::new(
-            &format!("{} over {}{source}", words(&self.objective), varied.join(" and ")),
-            axis(&self.varied[0], &self.shown[0]),
-            axis(&self.objective, &objective),
+        let objectives = self.objectives.iter().map(|o| words(&o.name)).collect::<Vec<_>>().join(" and ");
+        let varied = self.varied.iter().map(|name| named(name)).collect::<Vec<_>>().join(" and ");
+        let first = &self.varied[0];
+        let what = match (named(first), self.meanings[0]) {
+            // A symbol is explained.
+            (name, Some(meaning)) if name == *first && name.contains('.') => format!("{meaning}, {name},"),
+            (name, _) => name,
+        };
+        let x = axis(
+            what.strip_suffix(',').filter(|_| self.shown[0].unit("").is_empty()).unwrap_or(&what),
+            &self.shown[0],
         );
-        let infeasible = self.infeasible_points(LISTED, |values| self.place_in_words(0, values));
-        let sentences = infeasible.iter().map(|line| format!("{}.\n", sentence(line.trim_end_matches('.'))));
-        figure = figure.remark(&sentences.collect::<String>());
+        let mut figure =
+            Figure::stacked(&format!("{objectives} over {varied}{source}"), x).remark(&self.remark());
         type Points = Vec<(f64, f64)>;
-        let mut lines: Vec<(&[Choice], Points)> = Vec::new();
         // Words are drawn as categories.
         let mut words_of_x: Vec<String> = Vec::new();
-        for point in &self.points {
-            let key = &point.values[1..];
-            let x = point.values[0].number().map(|x| self.shown[0].of(x)).unwrap_or_else(|| {
-                let word = point.values[0].text();
-                words_of_x.iter().position(|known| *known == word).unwrap_or_else(|| {
-                    words_of_x.push(word);
-                    words_of_x.len() - 1
-                }) as f64
-            });
-            let place = (x, point.objective.map_or(f64::NAN, |value| objective.of(value)));
-            match lines.iter_mut().find(|(k, _)| *k == key) {
-                Some((_, line)) => line.push(place),
-                None => lines.push((key, vec![place])),
+        for (k, target) in self.objectives.iter().enumerate() {
+            let shown = target.shown();
+            let mut lines: Vec<(&[Choice], Points)> = Vec::new();
+            for point in &self.points {
+                let key = &point.values[1..];
+                let x = point.values[0].number().map(|x| self.shown[0].of(x)).unwrap_or_else(|| {
+                    let word = point.values[0].text();
+                    words_of_x.iter().position(|known| *known == word).unwrap_or_else(|| {
+                        words_of_x.push(word);
+                        words_of_x.len() - 1
+                    }) as f64
+                });
+                let place = (x, point.objectives.get(k).map_or(f64::NAN, |value| shown.of(*value)));
+                match lines.iter_mut().find(|(known, _)| *known == key) {
+                    Some((_, line)) => line.push(place),
+                    None => lines.push((key, vec![place])),
+                }
+            }
+            check_lines(lines.len())?;
+            figure = figure.panel(axis(&words(&target.name), &shown));
+            for (key, line) in lines {
+                let label = self.place_in_words(1, key);
+                figure = match words_of_x.is_empty() {
+                    true => figure.line(&label, line),
+                    false => figure.points(&label, line),
+                };
             }
         }
-        check_lines(lines.len())?;
-        for (key, line) in lines {
-            let label = self.place_in_words(1, key);
-            figure = match words_of_x.is_empty() {
-                true => figure.line(&label, line),
-                false => figure.points(&label, line),
-            };
-        }
         if !words_of_x.is_empty() {
-            let names: Vec<String> = words_of_x.iter().map(|word| item(&self.varied[0], word)).collect();
+            let names: Vec<String> = words_of_x.iter().map(|word| item(first, word)).collect();
             figure = figure.categories(&names.iter().map(String::as_str).collect::<Vec<_>>());
         }
         Ok(figure)
+    }
+
+    /// Sentences below the figure: infeasible points, and values at the end of the simulated time.
+    fn remark(&self) -> String {
+        let infeasible = self.infeasible_points(LISTED, |values| self.place_in_words(0, values));
+        let mut sentences: Vec<String> =
+            infeasible.iter().map(|line| format!("{}.", sentence(line.trim_end_matches('.')))).collect();
+        for (k, target) in self.objectives.iter().enumerate() {
+            let Some(most) = target.most else { continue };
+            if self.points.iter().any(|point| point.objectives.get(k) == Some(&most)) {
+                let value = Choice::Number(most).in_words(&target.shown());
+                sentences.push(format!(
+                    "{value} is the end of the simulated time: {} is later.",
+                    words(&target.name)
+                ));
+            }
+        }
+        sentences.join("\n")
     }
 }
 

@@ -1,7 +1,13 @@
 //! Points of a sweep with the names and units of their values, and the reasons of the infeasible ones.
 
 use super::{Choice, PRESET, Sweep};
-use present::words::{unit, words};
+use present::words::words;
+
+/// A name of whole words in words; that of a symbol, such as `motor.R_ref`, as it is set.
+pub(super) fn named(name: &str) -> String {
+    let is_word = |part: &str| part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase());
+    if name.split(['.', '_']).all(is_word) { words(name) } else { name.to_owned() }
+}
 
 /// An item of a variable in words; a motor keeps its name.
 pub(super) fn item(variable: &str, name: &str) -> String {
@@ -20,10 +26,10 @@ impl Sweep {
 
     /// The same in words, for figures; the values are those from variable `first` on.
     pub(super) fn place_in_words(&self, first: usize, values: &[Choice]) -> String {
-        let named = self.varied[first..].iter().zip(&self.shown[first..]).zip(values);
-        let parts = named.map(|((name, shown), value)| match value {
-            Choice::Number(_) => format!("{} = {}", words(name), unit(&value.with_unit(shown))),
-            Choice::Word(word) => format!("{} = {}", words(name), item(name, word)),
+        let pairs = self.varied[first..].iter().zip(&self.shown[first..]).zip(values);
+        let parts = pairs.map(|((name, shown), value)| match value {
+            Choice::Number(_) => format!("{} = {}", named(name), value.in_words(shown)),
+            Choice::Word(word) => format!("{} = {}", named(name), item(name, word)),
         });
         parts.collect::<Vec<_>>().join(", ")
     }

@@ -83,6 +83,24 @@ mod tests {
                 assert!(figure.split(['<', '>']).any(unit), "{vary}: {axis}");
             }
         }
+        // A value of 1 is no unit, and a symbol is explained.
+        let case = ConstantInputs { setup: Setup::new("AnnulusCooledMotor", None, &[]) };
+        let vary = ["motor.R_ref=0.3:0.5:2", "fan_command=0,1"].map(|v| Vary::parse(v).unwrap());
+        let goal = Goal {
+            objectives: vec!["winding_temperature".into(), "current:max".into()],
+            ..Goal::of("winding_temperature")
+        };
+        let figure = sweep(&case, &vary, &goal, |_| {}).unwrap().figure().unwrap();
+        let labels: Vec<&str> = figure.series().map(|(label, _)| label).collect();
+        assert_eq!(labels, ["fan command = 0", "fan command = 1"].repeat(2));
+        let svg = figure.svg();
+        for text in [
+            "Terminal resistance at T_ref",
+            ", motor.R_ref, in",
+            "winding temperature and current over motor.R_ref",
+        ] {
+            assert!(svg.contains(text), "{text}: {svg}");
+        }
         let data = found("ambient_temperature=20:40 degC:3", "winding_temperature").csv();
         assert!(data.contains("2.9314999999999998e2,2.93"), "{data}");
     }

@@ -47,6 +47,12 @@ impl Choice {
         let behind = self.number().map_or(String::new(), |_| unit.unit(" "));
         format!("{}{behind}", self.shown(unit))
     }
+
+    /// The same in the usual notation of units, for figures.
+    pub fn in_words(&self, unit: &Shown) -> String {
+        let behind = self.number().map_or(String::new(), |_| present::words::unit(&unit.unit(" ")));
+        format!("{}{behind}", self.shown(unit))
+    }
 }
 
 /// A variable and the values that it takes.

@@ -59,13 +59,16 @@ const OBJECTIVES: [Objective; 7] = {
         new("supply_power", "W", true, Steady(|s| s.power_supply)),
         new("torque_error", "N.m", true, Steady(|s| s.torque_error_rms)),
         new(
-            "time_to_limit",
+            TIME_TO_LIMIT,
             "s",
             false,
             Load(|l, hours| Ok(walk(l, hours, &|_| ())?.envelope.time_to_limit.unwrap_or(hours * 3600.0))),
         ),
     ]
 };
+
+/// The objective whose value is the longest simulated time if the limit is not reached in it.
+pub const TIME_TO_LIMIT: &str = "time_to_limit";
 
 /// What is known of a load and of one near it.
 #[derive(Clone, Debug, Default)]
@@ -143,6 +146,9 @@ pub struct Walked {
     pub stride_time: f64,
     /// The winding's limit, K.
     pub limit: f64,
+    /// Time for which it was to be simulated, h.
+    #[serde(skip)]
+    pub hours: f64,
     /// The periodic steady state; absent with thermal runaway.
     pub forever: Option<Periodic>,
     /// The stride in which the winding reaches its limit, where it does.
@@ -164,10 +170,16 @@ impl Walked {
             .limit(limit, &format!("limit {} °C", present::number(limit)));
         match self.envelope.time_to_limit {
             Some(_) => figure.remark("The curve ends where the winding reaches its limit."),
+            None if end * 60.0 < (1.0 - NEARLY) * self.hours * 3600.0 => {
+                figure.remark("The curve ends at the periodic steady state, in which all strides are alike.")
+            }
             None => figure,
         }
     }
 }
+
+/// Part of the time that a last stride may leave.
+const NEARLY: f64 = 0.01;
 
 /// Part of [`walk`] that the search for the steady state takes.
 const SEARCH: f64 = 0.4;
@@ -189,7 +201,14 @@ pub fn walk(load: &Load, hours: f64, done: Done<'_>) -> Result<Walked, StudyErro
     let envelope =
         envelope(&walker, hours * 3600.0, limit, &|fraction| done(SEARCH + (1.0 - SEARCH) * fraction))?;
     done(1.0);
-    Ok(Walked { stride_time: walker.stride_time(), limit, forever, at_limit: envelope.at_limit, envelope })
+    Ok(Walked {
+        stride_time: walker.stride_time(),
+        limit,
+        hours,
+        forever,
+        at_limit: envelope.at_limit,
+        envelope,
+    })
 }
 
 /// Whether a walk can last so long.
@@ -226,7 +245,8 @@ mod tests {
         let point = |time, winding_temperature| EnvelopePoint { time, winding_temperature };
         let points = vec![point(114.0, 330.0), point(1476.0, 428.15)];
         let envelope = Envelope { points, time_to_limit: Some(1476.0), ..Envelope::default() };
-        let walked = Walked { stride_time: 1.14, limit: 428.15, forever: None, at_limit: None, envelope };
+        let walked =
+            Walked { stride_time: 1.14, limit: 428.15, hours: 1.0, forever: None, at_limit: None, envelope };
         let figure = walked.figure("Winding temperature").svg();
         for text in [">0<", ">limit 155 °C<", ">The curve ends where the winding reaches its limit.<"] {
             assert!(figure.contains(text), "{text}: {figure}");
