@@ -19,6 +19,7 @@ use maud::{Markup, html};
 use numbers::{estimate, interval, rough};
 pub use parts::Data;
 use present::page::{Cell, page as page_of, plates, table};
+use present::typeset;
 use words::Words;
 
 /// The page; `notes` are those of the outcome and of the export.
@@ -33,8 +34,8 @@ pub fn page(
     let experiment = data.used;
     let words = Words { experiment, declaration };
     let body = html! {
-        p.lead { (capital(&verdict(outcome))) }
-        p { (status(outcome, replay)) }
+        p.lead { (typeset(&capital(&verdict(outcome)))) }
+        p { (typeset(&status(outcome, replay))) }
         (about(experiment, outcome))
         (made(provenance))
         (errors(outcome))
@@ -112,7 +113,7 @@ fn about(experiment: &Experiment, outcome: &Outcome) -> Markup {
     html! {
         p.soft {
             "Model " (outcome.model) ", preset " (experiment.preset) ". Runs: " (list(&runs, "and")) ". The search took "
-            (numbers::seconds(outcome.seconds)) "."
+            (typeset(&numbers::seconds(outcome.seconds))) "."
         }
     }
 }
@@ -129,7 +130,7 @@ fn made(provenance: &Provenance) -> Markup {
 fn next(experiment: &Experiment, outcome: &Outcome) -> Markup {
     let sentences = measurement::next(experiment, outcome);
     html! {
-        @if !sentences.is_empty() { h2 { "Next experiment" } ul { @for text in &sentences { li { (text) } } } }
+        @if !sentences.is_empty() { h2 { "Next experiment" } ul { @for text in &sentences { li { (typeset(text)) } } } }
     }
 }
 
@@ -178,7 +179,7 @@ fn errors(outcome: &Outcome) -> Markup {
             }
             " Noise: the error of a perfect model."
             @if !boxes.is_empty() {
-                " Black box: a model without physics, fitted to the same runs and simulated from the same inputs (" (list(&boxes, "and")) ")."
+                " Black box: a model without physics, fitted to the same runs and simulated from the same inputs (" (typeset(&list(&boxes, "and"))) ")."
             }
         }
         (models_table(outcome, &headers, outcome.errors.iter().map(row).collect()))
@@ -373,7 +374,7 @@ fn exported(outcome: &Outcome, replay: &Replay) -> Markup {
         h2 { "Exported FMUs" }
         p {
             "fmi2/" (outcome.model) ".fmu and fmi3/" (outcome.model) ".fmu start at the calibrated values of preset.toml, as in "
-            (outcome.export.file) ". " (capital(&replay_words(replay))) "."
+            (outcome.export.file) ". " (typeset(&capital(&replay_words(replay)))) "."
         }
         (table(&headers[..if differs { headers.len() } else { 4 }], replay.channels.iter().map(row).collect()))
     }

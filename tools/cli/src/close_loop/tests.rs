@@ -232,9 +232,14 @@ fn page_with(experiment: &Experiment, outcome: &Outcome) -> String {
     page_from(page::Data { used: experiment, read: experiment }, outcome)
 }
 
+/// A page with the letters that are typed.
+fn plain(page: &str) -> String {
+    page.replace('\u{a0}', " ").replace('\u{2212}', "-")
+}
+
 fn page_from(data: page::Data, outcome: &Outcome) -> String {
     let declaration = (describe::models::by_name(outcome.model).unwrap().declaration)();
-    page::page(data, outcome, &sample::replay(), &outcome.notes, declaration, &sample::made_of())
+    plain(&page::page(data, outcome, &sample::replay(), &outcome.notes, declaration, &sample::made_of()))
 }
 
 /// Keys are code, or words: in headings, sentences, tables and figures of every verdict, and where the data are unusable.
@@ -327,7 +332,7 @@ fn changes_of_parameters_are_comparable() {
     let figure =
         page.split("aria-label=\"Change of the parameters").nth(1).unwrap().split("</svg>").next().unwrap();
     // The refit of motor.R_ref is 1.4 standard deviations of its prior away from the preset.
-    assert!(figure.contains(">\u{2212}2<") && figure.contains(">2<") && !figure.contains(">4<"), "{figure}");
+    assert!(figure.contains(">-2<") && figure.contains(">2<") && !figure.contains(">4<"), "{figure}");
 }
 
 /// The sentence of the verdict and the next experiment are about one error.
@@ -370,14 +375,14 @@ fn numbers_of_a_law_are_described() {
 #[test]
 fn a_page_is_complete_in_itself() {
     for (verdict, words) in ALL.iter().zip([
-        ["Identified effects", "Experiment that distinguishes them", "9.1e-5 to 9.9e-5"],
+        ["Identified effects", "Experiment that distinguishes them", "9.1 × 10⁻⁵ to 9.9 × 10⁻⁵"],
         ["one of iron loss or viscous friction", "explained equally well by", "Probability"],
         [
             "Law: drag torque = 0.002 N·m · (speed / 500 rad/s)^0.75",
             "was added to the model",
             "At most 0.14 W",
         ],
-        ["Detection limits", "2e-6", "predicts the runs to the noise"],
+        ["Detection limits", "2 × 10⁻⁶", "predicts the runs to the noise"],
     ]) {
         let page = page_of(*verdict);
         for word in words.iter().chain(&[

@@ -12,6 +12,7 @@ use calibrate::report::driver_unit;
 use describe::{GenericTerm, Law};
 use maud::{Markup, html};
 use present::page::{Cell, plates, table};
+use present::typeset;
 
 /// Each effect that was added.
 pub fn effects(outcome: &Outcome, words: Words) -> Markup {
@@ -21,18 +22,18 @@ pub fn effects(outcome: &Outcome, words: Words) -> Markup {
             h3 { (heading(effect)) }
             p {
                 "It acts on " (port(effect.port)) " and " (driver(effect.follows)) "."
-                @if !effect.magnitude.is_empty() { " It " (effect.magnitude) "." }
+                @if !effect.magnitude.is_empty() { " It " (typeset(&effect.magnitude)) "." }
                 @if !effect.everywhere { " It acts in " (list(&effect.runs, "and")) " only." }
             }
-            @if let Some(term) = &effect.term { p { "Law: " (law(term)) "." } }
+            @if let Some(term) = &effect.term { p { "Law: " (typeset(&law(term))) "." } }
             (sizes(effect, words))
-            p { (support(effect)) }
+            p { (typeset(&support(effect))) }
             @if !effect.alternatives.is_empty() {
                 @let names: Vec<String> = effect.alternatives.iter().map(|a| plain(a)).collect();
                 @let weights: Vec<String> = effect.class().map(|(id, weight)| format!("{} {weight:.2}", plain(id))).collect();
                 p { "The data are explained equally well by " (list(&names, "or by")) ". Posterior weights: " (list(&weights, "and")) "." }
             }
-            @if let Some(run) = &effect.separating_experiment { p { "Experiment that distinguishes them: " (run) "." } }
+            @if let Some(run) = &effect.separating_experiment { p { "Experiment that distinguishes them: " (typeset(run)) "." } }
         }
     }
 }
@@ -130,7 +131,7 @@ pub fn unexplained(found: &Unexplained, experiment: &Experiment, outcome: &Outco
     html! {
         h2 { "Unexplained effect" }
         p { "An effect acts on " (port(found.port)) " and " (driver(found.follows)) ". " (given)
-            @if let Some(power) = measurement::power(found, experiment, outcome) { " " (power) }
+            @if let Some(power) = measurement::power(found, experiment, outcome) { " " (typeset(&power)) }
         }
         @if !found.shape.is_empty() { (plates(&[shape(found, outcome)])) }
     }

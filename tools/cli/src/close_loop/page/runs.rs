@@ -8,6 +8,7 @@ use calibrate::outcome::Outcome;
 use calibrate::report::ROLES;
 use maud::{Markup, html};
 use present::page::{Cell, plates};
+use present::typeset;
 
 /// Every run with its outputs and residuals.
 pub fn residuals(data: Data, outcome: &Outcome) -> Markup {
@@ -30,7 +31,7 @@ pub fn residuals(data: Data, outcome: &Outcome) -> Markup {
         @for role in ROLES.into_iter().rev() {
             @for part in parts.iter().filter(|part| part.curves.role == role) {
                 details open=[(role == Role::Test).then_some("")] {
-                    summary { (part.heading()) }
+                    summary { (typeset(&part.heading())) }
                     (plates(&[over_time::compared(part, data, outcome)]))
                     (readings(part, outcome))
                     (plates(&over_time::residuals(part, outcome)))

@@ -6,6 +6,7 @@ use calibrate::report::column_words;
 use describe::{Declaration, Driver, Entry, Port};
 use maud::{Markup, html};
 use present::check::is_key;
+use present::typeset;
 
 /// What the keys of a page are of.
 #[derive(Clone, Copy)]
@@ -21,10 +22,26 @@ enum Piece {
 
 /// Pieces as they stand on the page.
 fn markup(pieces: Vec<Piece>) -> Markup {
-    html! { @for piece in pieces { @match piece {
-        Piece::Text(text) => { (text) },
+    // Texts in one, since a number stays with its unit.
+    let mut joined: Vec<Piece> = Vec::new();
+    for piece in pieces {
+        match (joined.last_mut(), piece) {
+            (Some(Piece::Text(all)), Piece::Text(text)) => *all += &text,
+            (_, piece) => joined.push(piece),
+        }
+    }
+    html! { @for piece in joined { @match piece {
+        Piece::Text(text) => { (typeset(&text)) },
         Piece::Code(key) => { code { (key) } },
     } } }
+}
+
+/// The last word of pieces that a space follows.
+fn pieces_end(pieces: &[Piece]) -> Option<&str> {
+    match pieces {
+        [.., Piece::Text(word), Piece::Text(space)] if space == " " => Some(word),
+        _ => None,
+    }
 }
 
 /// A text with spaces in place of the underscores of its keys.
@@ -91,6 +108,14 @@ impl Words<'_> {
                 name => name,
             };
             rest = &rest[from + name.len()..];
+            // Behind a number, or as in "readings in degF".
+            let before = pieces_end(&pieces).unwrap_or_default();
+            if (before == "in" || before.parse::<f64>().is_ok())
+                && units::conversion(name, name, true).is_ok()
+            {
+                pieces.push(Piece::Text(present::words::unit(name)));
+                continue;
+            }
             let is_first = !described.contains(&name);
             described.push(name);
             pieces.extend(self.of_name(name, is_first, is_value || rest.trim_start().starts_with('=')));
@@ -189,7 +214,7 @@ mod tests {
         for (sentence, text) in [
             (
                 "run-1.csv: housing_temperature_degC reads -40 degC.",
-                "run-1.csv: housing temperature reads -40 degC.",
+                "run-1.csv: housing temperature reads -40 °C.",
             ),
             (
                 "winding_sensor_stem_loss acts in some runs only",
@@ -199,9 +224,11 @@ mod tests {
             ("ambient_pressure has no effect", "ambient pressure has no effect"),
             ("generic_term.exponent = 5.00", "power of the driver = 5.00"),
             ("a gap - of 3 s", "a gap - of 3 s"),
+            ("a constant in V.s/rad, readings in degF", "a constant in V·s/rad, readings in °F"),
+            ("in run-2.csv, in e.g. a box", "in run-2.csv, in e.g. a box"),
         ] {
             assert_eq!(words.text(sentence), text);
-            assert_eq!(words.sentence(sentence).into_string(), text);
+            assert_eq!(words.sentence(sentence).into_string(), typeset(text));
         }
         let sentence =
             words.sentence("thermal.C_w = 5 J/K is at its limit: add thermal.C_w to [prior]").into_string();
