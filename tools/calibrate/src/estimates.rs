@@ -418,6 +418,7 @@ fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3], half: 
         }
     });
     Curves {
+        run,
         file: of.file.clone(),
         role: of.role,
         window: of.window,

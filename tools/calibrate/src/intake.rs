@@ -41,6 +41,7 @@ use crate::parallel;
 use crate::report::count_of;
 use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
+pub use consistency::illustration::{Illustrated, Illustration, illustration};
 use physics::declare::Unit;
 use physics::model::Declaration;
 use signals::SENSOR_ERROR;

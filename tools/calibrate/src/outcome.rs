@@ -4,6 +4,9 @@ use crate::CalibrateError;
 use crate::experiment::Role;
 use physics::terms::{GenericTerm, Port};
 
+/// Error over noise up to which a model explains the data. Definition: of that statement.
+const EXPLAINED: f64 = 2.0;
+
 /// Reason why the data cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unusable {
@@ -241,6 +244,8 @@ pub struct Limit {
 /// One run with readings and predictions of the models, thinned for plots. Temperatures in degC.
 #[derive(Clone, Debug)]
 pub struct Curves {
+    /// Place of its run in the experiment. A run that ends at a gap and the one that begins after it have one file, role and window.
+    pub run: usize,
     /// Its file.
     pub file: String,
     /// Its role.
@@ -346,6 +351,34 @@ impl Outcome {
             }
         }
         squares.iter().map(|(_, sum)| sum.ln()).sum()
+    }
+
+    /// The greatest error of the final model relative to the noise in the runs of a role, with that ratio, if it is above [`EXPLAINED`] and
+    /// above the error of good instruments.
+    pub fn unexplained_error(&self, role: Role) -> Option<(&ChannelError, f64)> {
+        let of = self.errors.iter().filter(|e| e.role == role && e.floor > 0.0 && e.after > e.instruments);
+        let ratios = of.map(|e| (e, e.after / e.floor)).filter(|(_, ratio)| *ratio > EXPLAINED);
+        ratios.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The role whose runs show what the model is worth: those that were not fitted, if there are any.
+    pub fn unfitted(&self) -> Role {
+        let has = |role: &Role| self.errors.iter().any(|e| e.role == *role && e.floor > 0.0);
+        [Role::Test, Role::Validate].into_iter().find(has).unwrap_or(Role::Fit)
+    }
+
+    /// The error that the final model leaves, with its ratio to the noise; `None` if the model explains the data. Where an effect was found,
+    /// first the fit runs count, then all others; otherwise those that show what the model is worth.
+    pub fn remaining_error(&self) -> Option<(&ChannelError, f64)> {
+        if matches!(self.verdict, Verdict::Nothing | Verdict::Fitted) {
+            return self.unexplained_error(self.unfitted());
+        }
+        let others = || {
+            let all =
+                [Role::Validate, Role::Test].into_iter().filter_map(|role| self.unexplained_error(role));
+            all.max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        self.unexplained_error(Role::Fit).or_else(others)
     }
 
     /// Parameters without prior whose 95 % intervals contain the values of the preset, if effects were found.

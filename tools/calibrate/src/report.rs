@@ -84,6 +84,8 @@ pub struct Report<'a> {
     seconds: f64,
     seconds_search: f64,
     budget: Budget,
+    explains_data: Option<bool>,
+    remaining_error: Option<RemainingError>,
     effects: Vec<Effect<'a>>,
     unexplained: Option<Unexplained>,
     unusable: Option<UnusableText<'a>>,
@@ -111,6 +113,14 @@ pub struct Budget {
     pub seconds: f64,
     /// Whether it ended the search.
     pub exhausted: bool,
+}
+
+/// Largest error of the final model relative to the noise.
+#[derive(Debug, Serialize)]
+struct RemainingError {
+    role: &'static str,
+    channel: &'static str,
+    error_over_noise: f64,
 }
 
 /// Reason why the data are unusable.
@@ -279,6 +289,12 @@ impl<'a> Report<'a> {
             seconds,
             seconds_search: outcome.seconds,
             budget: Budget { seconds: budget, exhausted: outcome.is_cut },
+            explains_data: (!outcome.errors.is_empty()).then(|| outcome.remaining_error().is_none()),
+            remaining_error: outcome.remaining_error().map(|(e, ratio)| RemainingError {
+                role: role_name(e.role),
+                channel: e.column,
+                error_over_noise: ratio,
+            }),
             effects: outcome.effects.iter().map(effect).collect(),
             unexplained: outcome.unexplained.as_ref().map(unexplained),
             unusable: None,
@@ -334,6 +350,8 @@ impl<'a> Report<'a> {
             seconds,
             seconds_search: 0.0,
             budget: Budget { seconds: budget, exhausted: false },
+            explains_data: None,
+            remaining_error: None,
             effects: Vec::new(),
             unexplained: None,
             unusable: Some(UnusableText {

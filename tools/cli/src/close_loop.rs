@@ -19,7 +19,7 @@ use archive::build::{Standard, TermsFile, archive_path};
 use calibrate::close_loop::{self, Extent, Options};
 use calibrate::deadline::Deadline;
 use calibrate::experiment::Experiment;
-use calibrate::intake::{self, Refusal, Unusable};
+use calibrate::intake::{self, Illustration, Refusal, Unusable};
 use calibrate::outcome::{Outcome, Verdict};
 use calibrate::report::{Provenance, Replay, Report};
 use describe::{Preset, models};
@@ -90,6 +90,7 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     // Before minutes of work: a folder that cannot be written to is bad input too.
     crate::make_folder(&args.out)?;
     let bar = Progress::new("checking the data");
+    let read = experiment.clone();
     // Checks come before the search: what is found in data that were not checked may be an ordinary mistake.
     let checked = Deadline::after(Duration::from_secs_f64((1.0 - KEPT) * args.budget));
     let checked = intake::check(&mut experiment, &preset.starts.entries(), &checked);
@@ -112,7 +113,10 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
         Err(Refusal::Input(error)) => return Err(error.into()),
         Err(Refusal::Unusable(why)) => {
             bar.finish();
-            return unusable(args, &experiment, &why, &made_of, begun.elapsed().as_secs_f64());
+            let time = Deadline::after(Duration::from_secs_f64(KEPT * args.budget));
+            let found = intake::illustration(&read, &preset.starts.entries(), &why, &time);
+            let why = (&why, found.as_ref());
+            return unusable(args, &experiment, why, &made_of, begun.elapsed().as_secs_f64());
         }
     };
     bar.set("export", SEARCH);
@@ -150,7 +154,8 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
     write(&args.out.join("report.json"), &json)?;
     let declaration = (exported.kind.declaration)();
-    let page = page::page(&experiment, &outcome, &replay, &notes, declaration, &made_of);
+    let data = page::Data { used: &experiment, read: &read };
+    let page = page::page(data, &outcome, &replay, &notes, declaration, &made_of);
     write(&args.out.join("report.html"), &page)?;
     write(&args.out.join("residuals.csv"), &text::residuals(&outcome))?;
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
@@ -195,7 +200,7 @@ fn may_write(args: &Files, experiment: &Experiment, fit_only: bool) -> Result<()
 fn unusable(
     args: &Files,
     experiment: &Experiment,
-    why: &Unusable,
+    (why, found): (&Unusable, Option<&Illustration>),
     made_of: &Provenance,
     seconds: f64,
 ) -> Result<ExitCode, Failure> {
@@ -216,7 +221,10 @@ fn unusable(
         .made_of(made_of);
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
     write(&args.out.join("report.json"), &json)?;
-    write(&args.out.join("report.html"), &page::unusable(experiment, why, (kind.declaration)(), made_of))?;
+    write(
+        &args.out.join("report.html"),
+        &page::unusable(experiment, (why, found), (kind.declaration)(), made_of),
+    )?;
     let mut text =
         format!("{}: unusable: {}.\n{}.\n", experiment.name, why.reason, page::capital(&why.suggestion));
     for note in experiment.notes.iter().cloned().chain(text::own_headers(experiment, &[&why.reason])) {

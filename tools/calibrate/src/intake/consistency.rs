@@ -34,6 +34,7 @@
 
 mod conversions;
 mod cost;
+pub mod illustration;
 mod mistakes;
 mod search;
 #[cfg(test)]

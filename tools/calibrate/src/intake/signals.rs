@@ -16,6 +16,7 @@
 use crate::experiment::{Channel, Experiment, Table};
 use crate::levels::{SMALL, STRUCTURE};
 use crate::noise;
+use crate::report::count_of;
 
 /// Probability of a false alarm in an experiment, alpha of (1). Definition: the level of the test; the bound (1) grows with the root of
 /// its logarithm only.
@@ -89,7 +90,9 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
                 write(about(
                     k,
                     format!(
-                        "reads {reading:.1} degC in {count} rows, as an open or shorted sensor does; these are set aside"
+                        "reads {reading:.1} degC in {}, as an open or shorted sensor does; {} set aside",
+                        count_of(count, "row"),
+                        these(count)
                     ),
                 ));
             }
@@ -100,7 +103,8 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
             let count = column.iter().filter(|x| **x == code).count();
             column.iter_mut().filter(|x| **x == code).for_each(|x| *x = f64::NAN);
             let reading = code - channel.offset;
-            write(about(k, format!("drops out to {reading:.2} degC in {count} rows; these are set aside")));
+            let rows = count_of(count, "row");
+            write(about(k, format!("drops out to {reading:.2} degC in {rows}; {} set aside", these(count))));
         }
         let spikes: Vec<Vec<usize>> =
             channels.iter().enumerate().map(|(k, c)| spikes(table, k, c, least)).collect();
@@ -116,14 +120,15 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
             for column in &mut table.columns {
                 failed.iter().for_each(|row| column[*row] = f64::NAN);
             }
-            let note = format!(
-                "{}: {} rows, the first at {} s, in which the ambient temperature (ambient_temperature_degC) has a spike, are set aside in all \
-                 channels",
-                run.file,
-                failed.len(),
-                table.time[failed[0]]
-            );
-            write(note);
+            let from = table.time[failed[0]];
+            let (rows, are) = match failed.len() {
+                1 => (format!("the row at {from} s"), "is"),
+                count => (format!("{count} rows, the first at {from} s"), "are"),
+            };
+            write(format!(
+                "{}: {rows}, in which the ambient temperature (ambient_temperature_degC) has a spike, {are} set aside in all channels",
+                run.file
+            ));
         }
         let inputs = &table.columns[..experiment.inputs.len()];
         let sizes: Vec<f64> = inputs.iter().map(|c| Readings::of(&table.time, c).size()).collect();
@@ -156,19 +161,28 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
             }
             if own.len() as f64 > SMALL * there as f64 && k >= experiment.inputs.len() {
                 table.columns[k].fill(f64::NAN);
-                write(about(k, format!("has {} spikes in {there} readings and is set aside", own.len())));
+                let count = count_of(own.len(), "spike");
+                write(about(k, format!("has {count} in {there} readings and is set aside")));
             } else {
                 own.iter().for_each(|row| table.columns[k][*row] = f64::NAN);
                 let from = table.time[own[0]];
                 write(about(
                     k,
-                    format!("has {} spikes, the first at {from} s; they are set aside", own.len()),
+                    match own.len() {
+                        1 => format!("has a spike at {from} s, which is set aside"),
+                        count => format!("has {count} spikes, the first at {from} s; they are set aside"),
+                    },
                 ));
             }
         }
     }
     experiment.notes.extend(notes);
     counts
+}
+
+/// Rows as the subject of a sentence.
+fn these(count: usize) -> &'static str {
+    if count == 1 { "it is" } else { "these are" }
 }
 
 /// Code of an amplifier without sensor: the only value of the column that is repeated exactly, and far from all others.

@@ -1,57 +1,64 @@
 //! `report.html`: what closing the loop has found, for a person. One file, for light and dark, without a script.
 
+mod effects;
 pub(super) mod figures;
 mod measurement;
+pub(super) mod numbers;
+mod over_time;
+mod parts;
+mod runs;
 mod words;
 
-use super::text::{
-    attached, driver, law, list, number, own_headers, plain, port, replay as replay_words, verdict,
-};
+use super::text::{list, number, own_headers, plain, port, replay as replay_words, verdict};
 use calibrate::experiment::{Experiment, Role};
-use calibrate::intake::Unusable;
-use calibrate::outcome::{Curves, Evidence, Follows, Found, Outcome, Unexplained, Verdict};
+use calibrate::intake::{Illustration, Unusable};
+use calibrate::outcome::{Evidence, Outcome, Verdict};
 use calibrate::report::{Provenance, ROLES, Replay, column_words, role_words};
 use describe::Declaration;
 use maud::{Markup, html};
+use numbers::{estimate, interval, rough};
+pub use parts::Data;
 use present::page::{Cell, page as page_of, plates, table};
+use present::typeset;
 use words::Words;
 
 /// The page; `notes` are those of the outcome and of the export.
 pub fn page(
-    experiment: &Experiment,
+    data: Data,
     outcome: &Outcome,
     replay: &Replay,
     notes: &[String],
     declaration: &Declaration,
     provenance: &Provenance,
 ) -> String {
+    let experiment = data.used;
     let words = Words { experiment, declaration };
     let body = html! {
-        p.lead { (capital(&verdict(outcome))) }
-        p { (status(outcome, replay)) }
+        p.lead { (typeset(&capital(&verdict(outcome)))) }
+        p { (typeset(&status(outcome, replay))) }
         (about(experiment, outcome))
         (made(provenance))
         (errors(outcome))
-        (effects(outcome, words))
-        @if let Some(found) = &outcome.unexplained { (unexplained(found, experiment, outcome)) }
+        (effects::effects(outcome, words))
+        @if let Some(found) = &outcome.unexplained { (effects::unexplained(found, experiment, outcome)) }
         (next(experiment, outcome))
-        (limits(outcome))
-        (residuals(experiment, outcome))
-        (over_drivers(experiment, outcome))
+        (limits(outcome, words))
+        (runs::residuals(data, outcome))
+        (runs::over_drivers(data, outcome))
         @if !outcome.localised.is_empty() {
             h2 { "Location of the residual" }
             p {
                 "An unconstrained input at each port of the model, estimated jointly with the parameters: the fraction of the \
                  residual beyond noise that it explains after the fit."
             }
-            (plates(&[figures::localised(outcome)]))
+            (figures::localised(outcome))
         }
         (candidates(outcome, words))
         (parameters(outcome, words))
         (measurement::noises(experiment, outcome))
         (whiteness(outcome))
         (exported(outcome, replay))
-        @if !notes.is_empty() { h2 { "Notes" } ul { @for note in notes { li { (words.sentence(note)) } } } }
+        @if !notes.is_empty() { h2 { "Notes" } ul { @for note in notes { li { (words.note(note)) } } } }
     };
     page_of(&title(&outcome.name), body)
 }
@@ -61,20 +68,21 @@ pub fn title(experiment: &str) -> String {
     format!("{experiment}: calibration report")
 }
 
-/// The page on data of which nothing can be said.
+/// The page on data of which nothing can be said; `found` are the readings that contradict the model, if they can be drawn.
 pub fn unusable(
     experiment: &Experiment,
-    why: &Unusable,
+    (why, found): (&Unusable, Option<&Illustration>),
     declaration: &Declaration,
     provenance: &Provenance,
 ) -> String {
     let words = Words { experiment, declaration };
     let body = html! {
         p.lead { "Unusable data: " (words.sentence(&why.reason)) "." }
-        p { "Channel: " code { (why.channel) } ". Suggestion: " (words.sentence(&why.suggestion)) ". Nothing was fitted and no effect was looked for." }
+        p { "Channel: " (words.text(&why.channel)) " (" code { (why.channel) } "). Suggestion: " (words.sentence(&why.suggestion)) ". Nothing was fitted and no effect was looked for." }
         @if let Some(headers) = own_headers(experiment, &[&why.reason]) { p { (capital(&words.text(&headers))) "." } }
+        @if let Some(found) = found { (plates(&[figures::contradiction(found)])) }
         (made(provenance))
-        @if !experiment.notes.is_empty() { h2 { "Notes" } ul { @for note in &experiment.notes { li { (words.sentence(note)) } } } }
+        @if !experiment.notes.is_empty() { h2 { "Notes" } ul { @for note in &experiment.notes { li { (words.note(note)) } } } }
     };
     page_of(&title(&experiment.name), body)
 }
@@ -105,7 +113,7 @@ fn about(experiment: &Experiment, outcome: &Outcome) -> Markup {
     html! {
         p.soft {
             "Model " (outcome.model) ", preset " (experiment.preset) ". Runs: " (list(&runs, "and")) ". The search took "
-            (number(outcome.seconds)) " s."
+            (typeset(&numbers::seconds(outcome.seconds))) "."
         }
     }
 }
@@ -122,22 +130,7 @@ fn made(provenance: &Provenance) -> Markup {
 fn next(experiment: &Experiment, outcome: &Outcome) -> Markup {
     let sentences = measurement::next(experiment, outcome);
     html! {
-        @if !sentences.is_empty() { h2 { "Next experiment" } ul { @for text in &sentences { li { (text) } } } }
-    }
-}
-
-fn over_drivers(experiment: &Experiment, outcome: &Outcome) -> Markup {
-    let all = figures::over_drivers(experiment, outcome);
-    html! {
-        @if !all.is_empty() {
-            h2 { "Residual over the drivers" }
-            p {
-                "The output whose error after the fit of the parameters is furthest above its noise. Where points of the residual follow one \
-                 curve over a driver, an effect follows this driver."
-                @if !outcome.effects.is_empty() { " The law that was found has to lie on them." }
-            }
-            (plates(&all))
-        }
+        @if !sentences.is_empty() { h2 { "Next experiment" } ul { @for text in &sentences { li { (typeset(text)) } } } }
     }
 }
 
@@ -149,12 +142,9 @@ fn status(outcome: &Outcome, replay: &Replay) -> String {
         .filter(|e| e.role == Role::Test && e.after.is_finite())
         .map(|e| {
             let (name, unit) = column_words(e.column);
-            format!(
-                "{name} {} {unit} (before {}, noise {})",
-                number(e.after),
-                number(e.before),
-                number(e.floor)
-            )
+            let with_unit = |number: String| format!("{number} {unit}").trim_end().to_owned();
+            let [after, before, noise] = [number(e.after), number(e.before), rough(e.floor)].map(with_unit);
+            format!("{name} {after} (before {before}, noise {noise})")
         })
         .collect();
     let errors = if test.is_empty() {
@@ -189,7 +179,7 @@ fn errors(outcome: &Outcome) -> Markup {
             }
             " Noise: the error of a perfect model."
             @if !boxes.is_empty() {
-                " Black box: a model without physics, fitted to the same runs and simulated from the same inputs (" (list(&boxes, "and")) ")."
+                " Black box: a model without physics, fitted to the same runs and simulated from the same inputs (" (typeset(&list(&boxes, "and"))) ")."
             }
         }
         (models_table(outcome, &headers, outcome.errors.iter().map(row).collect()))
@@ -217,98 +207,15 @@ fn models_table(outcome: &Outcome, headers: &[&str], rows: Vec<Vec<Cell>>) -> Ma
     table(&names.iter().map(String::as_str).collect::<Vec<_>>(), rows.into_iter().map(cells).collect())
 }
 
-fn effects(outcome: &Outcome, words: Words) -> Markup {
-    html! {
-        @if !outcome.effects.is_empty() { h2 { "Identified effects" } }
-        @for effect in &outcome.effects {
-            h3 { (heading(effect)) }
-            p {
-                "It acts on " (port(effect.port)) " and " (driver(effect.follows)) "."
-                @if !effect.magnitude.is_empty() { " It " (effect.magnitude) "." }
-                @if !effect.everywhere { " It acts in " (list(&effect.runs, "and")) " only." }
-            }
-            (sizes(effect, words))
-            @if let Some(term) = &effect.term { p { "Law: " (law(term)) "." } }
-            p { (support(effect)) }
-            @if !effect.alternatives.is_empty() {
-                @let names: Vec<String> = effect.alternatives.iter().map(|a| plain(a)).collect();
-                @let weights: Vec<String> = effect.class().map(|(id, weight)| format!("{} {weight:.2}", plain(id))).collect();
-                p { "The data are explained equally well by " (list(&names, "or by")) ". Posterior weights: " (list(&weights, "and")) "." }
-            }
-            @if let Some(run) = &effect.separating_experiment { p { "Experiment that distinguishes them: " (run) "." } }
-        }
-    }
-}
-
-fn heading(effect: &Found) -> String {
-    if effect.term.is_none() {
-        return capital(&plain(&effect.id));
-    }
-    if let Follows::Mass(driver) = effect.follows {
-        return format!("Unlisted effect: {}", attached(driver));
-    }
-    let over = effect.follows.name().map_or(String::new(), |name| format!(" over {}", plain(&name)));
-    format!("Unlisted effect: {}{over}", plain(effect.port.name()))
-}
-
-/// An interval; one that is not known is said to be so.
-fn interval(ci95: (f64, f64)) -> Cell {
-    if ci95.0.is_finite() && ci95.1.is_finite() {
-        Cell::Number(format!("{} ... {}", number(ci95.0), number(ci95.1)))
-    } else {
-        Cell::Number("unknown".to_owned())
-    }
-}
-
-/// The parameters of an effect with their meaning.
-fn sizes(effect: &Found, words: Words) -> Markup {
-    let row = |p: &calibrate::outcome::Estimate| {
-        vec![
-            Cell::Code(p.name.clone()),
-            words.meaning(&format!("effect.{}.{}", effect.id, p.name)).into(),
-            Cell::number(p.value),
-            interval(p.ci95),
-            Cell::Unit(p.unit),
-        ]
-    };
-    let headers = ["symbol", "meaning", "value", "95 % interval", "unit"];
-    html! {
-        @if !effect.parameters.is_empty() { (table(&headers, effect.parameters.iter().map(row).collect())) }
-    }
-}
-
-fn support(effect: &Found) -> String {
-    let validation = effect.validation_ratio.map_or(String::new(), |ratio| {
-        format!(" The validation error with it is {} of the error without it.", number(ratio))
-    });
-    format!(
-        "It lowers BIC by {}, and by {} when allowing for autocorrelated noise; above 10 is strong.{validation}",
-        number(effect.delta_bic),
-        number(effect.delta_bic_whitened)
-    )
-}
-
-fn unexplained(found: &Unexplained, experiment: &Experiment, outcome: &Outcome) -> Markup {
-    let given = if found.added {
-        "The law above was added to the model, since it lowers the validation error. The figure is the estimate from the data \
-         without a law."
-    } else if outcome.effects.iter().any(|e| e.term.is_some()) {
-        "The law above was added to the model, since it lowers the validation error; it explains a part of this effect."
-    } else {
-        "It was not added to the model, since it does not lower the validation error."
-    };
-    html! {
-        h2 { "Unexplained effect" }
-        p { "An effect acts on " (port(found.port)) " and " (driver(found.follows)) ". " (given)
-            @if let Some(power) = measurement::power(found, experiment) { " " (power) }
-        }
-        @if !found.shape.is_empty() { (plates(&[figures::shape(found, outcome)])) }
-    }
-}
-
-fn limits(outcome: &Outcome) -> Markup {
+fn limits(outcome: &Outcome, words: Words) -> Markup {
     let row = |l: &calibrate::outcome::Limit| {
-        vec![plain(&l.id).into(), Cell::Code(l.symbol.to_owned()), Cell::number(l.size), Cell::Unit(l.unit)]
+        vec![
+            plain(&l.id).into(),
+            Cell::Code(l.symbol.to_owned()),
+            words.meaning(&format!("effect.{}.{}", l.id, l.symbol)).into(),
+            Cell::Number(rough(l.size)),
+            Cell::Unit(l.unit),
+        ]
     };
     let what = match outcome.verdict {
         Verdict::Nothing => "No effect was found. An effect of at least this size would have been detected:",
@@ -318,60 +225,25 @@ fn limits(outcome: &Outcome) -> Markup {
         @if !outcome.limits.is_empty() {
             h2 { "Detection limits" }
             p { (what) }
-            (table(&["effect", "symbol", "size", "unit"], outcome.limits.iter().map(row).collect()))
+            (table(&["effect", "symbol", "meaning", "size", "unit"], outcome.limits.iter().map(row).collect()))
         }
     }
 }
 
-fn residuals(experiment: &Experiment, outcome: &Outcome) -> Markup {
-    // The test runs first and open; the others can be opened.
-    let heading = |c: &Curves| format!("{} ({})", c.file, role_words(c.role));
-    html! {
-        h2 { "Residuals" }
-        p {
-            "Measured minus predicted. Where a model is complete, its residual is noise about zero, 95 % of it in the band. The second \
-             figure of each output omits the preset. residuals.csv has the values of the figures."
-        }
-        @for role in ROLES.into_iter().rev() {
-            @for curves in outcome.curves.iter().filter(|c| c.role == role) {
-                details open=[(role == Role::Test).then_some("")] {
-                    summary { (heading(curves)) }
-                    (plates(&[figures::compared(curves, experiment, outcome)]))
-                    (readings(curves, outcome))
-                    (plates(&figures::residuals(curves, outcome)))
-                }
-            }
+/// A candidate or a sentence with one, in words: `drag torque ~ lag of speed^1` is drag torque ∝ lagged speed.
+fn law_name(text: &str) -> String {
+    let words: Vec<&str> = text.split(' ').collect();
+    let mut named: Vec<String> = Vec::new();
+    for (k, word) in words.iter().enumerate() {
+        let follows = words[..k].contains(&"~");
+        match *word {
+            "~" => named.push("∝".to_owned()),
+            "lag" if follows && words.get(k + 1) == Some(&"of") => named.push("lagged".to_owned()),
+            "of" if follows && words[k - 1] == "lag" => {}
+            word => named.push(word.strip_suffix("^1").unwrap_or(word).to_owned()),
         }
     }
-}
-
-/// The outputs of a run that have a few readings, which would be dots in empty figures.
-fn readings(curves: &Curves, outcome: &Outcome) -> Markup {
-    let sparse = curves.outputs.iter().filter(|c| figures::is_sparse(c));
-    let rows: Vec<Vec<Cell>> = sparse
-        .flat_map(|c| {
-            let error = outcome.errors.iter().find(|e| e.role == curves.role && e.column == c.column);
-            let of = move |k: usize| {
-                let residuals = [&c.before, &c.refit, &c.after].map(|model| c.measured[k] - model[k]);
-                let numbers = [curves.time[k], c.measured[k]].into_iter().chain(residuals);
-                let mut cells = vec![figures::with_unit(c.column).into()];
-                cells.extend(numbers.map(Cell::number));
-                cells.push(Cell::maybe(error.map(|e| e.floor)));
-                cells
-            };
-            (0..c.measured.len()).filter(|k| c.measured[*k].is_finite()).map(of)
-        })
-        .collect();
-    let headers = [
-        "output",
-        "time in s",
-        "measured",
-        "residual, before",
-        "residual, refit",
-        "residual, after",
-        "noise",
-    ];
-    html! { @if !rows.is_empty() { (models_table(outcome, &headers, rows)) } }
+    named.join(" ")
 }
 
 fn candidates(outcome: &Outcome, words: Words) -> Markup {
@@ -379,16 +251,16 @@ fn candidates(outcome: &Outcome, words: Words) -> Markup {
     ranked.sort_by(|a, b| a.round.cmp(&b.round).then(b.delta_bic_whitened.total_cmp(&a.delta_bic_whitened)));
     let row = |e: &Evidence| {
         vec![
-            words.text(&e.name).into(),
+            law_name(&words.text(&e.name)).into(),
             Cell::Number(e.round.to_string()),
             plain(e.port.name()).into(),
-            Cell::number(e.delta_bic),
-            Cell::number(e.delta_bic_whitened),
-            Cell::maybe(e.delta_validation),
-            Cell::number(e.probability),
+            Cell::Number(numbers::evidence(e.delta_bic)),
+            Cell::Number(numbers::evidence(e.delta_bic_whitened)),
+            Cell::Number(e.delta_validation.map_or(String::new(), numbers::evidence)),
+            Cell::Number(numbers::probability(e.probability)),
             Cell::maybe(e.validation_ratio),
             if e.accepted { "accepted" } else { "rejected" }.into(),
-            words.text(&e.reason).into(),
+            law_name(&words.text(&e.reason)).into(),
         ]
     };
     let headers = [
@@ -396,7 +268,7 @@ fn candidates(outcome: &Outcome, words: Words) -> Markup {
         "round",
         "port",
         "decrease of BIC",
-        "the same, autocorrelated noise",
+        "decrease of BIC, autocorrelated noise",
         "of which validation runs",
         "probability",
         "validation error ratio",
@@ -423,8 +295,8 @@ fn parameters(outcome: &Outcome, words: Words) -> Markup {
             Cell::Code(p.name.clone()),
             Cell::number(p.prior),
             Cell::maybe(refit),
-            Cell::number(p.value),
-            interval(p.ci95),
+            Cell::Number(estimate(p.value, p.ci95)),
+            Cell::Number(interval(p.ci95)),
             Cell::Unit(p.unit),
         ]
     };
@@ -432,7 +304,12 @@ fn parameters(outcome: &Outcome, words: Words) -> Markup {
         let cells = [words.meaning(&p.name).into(), Cell::Code(p.name.clone()), file.as_str().into()];
         cells
             .into_iter()
-            .chain([Cell::number(p.prior), Cell::number(p.value), interval(p.ci95), Cell::Unit(p.unit)])
+            .chain([
+                Cell::number(p.prior),
+                Cell::Number(estimate(p.value, p.ci95)),
+                Cell::Number(interval(p.ci95)),
+                Cell::Unit(p.unit),
+            ])
             .collect()
     };
     let headers = ["parameter", "name", "preset", "refit", "after", "95 % interval", "unit"];
@@ -475,9 +352,14 @@ fn whiteness(outcome: &Outcome) -> Markup {
 }
 
 fn exported(outcome: &Outcome, replay: &Replay) -> Markup {
+    // Columns of zeros say less than the sentence that there is no difference.
+    let differs = replay.channels.iter().any(|c| c.difference != 0.0 || c.difference_of_a_value != 0.0);
     let row = |c: &calibrate::report::ReplayedChannel| {
         let mut cells: Vec<Cell> = vec![channel(c.column).into(), c.standard.into()];
-        cells.extend([c.rmse, c.after, c.difference, c.difference_of_a_value].map(Cell::number));
+        cells.extend([c.rmse, c.after].map(Cell::number));
+        if differs {
+            cells.extend([c.difference, c.difference_of_a_value].map(|x| Cell::Number(rough(x))));
+        }
         cells
     };
     let headers = [
@@ -492,8 +374,8 @@ fn exported(outcome: &Outcome, replay: &Replay) -> Markup {
         h2 { "Exported FMUs" }
         p {
             "fmi2/" (outcome.model) ".fmu and fmi3/" (outcome.model) ".fmu start at the calibrated values of preset.toml, as in "
-            (outcome.export.file) ". " (capital(&replay_words(replay))) "."
+            (outcome.export.file) ". " (typeset(&capital(&replay_words(replay)))) "."
         }
-        (table(&headers, replay.channels.iter().map(row).collect()))
+        (table(&headers[..if differs { headers.len() } else { 4 }], replay.channels.iter().map(row).collect()))
     }
 }

@@ -6,7 +6,7 @@
 use super::export::{Exported, terms};
 use crate::Failure;
 use archive::build::{Contents, Standard, build};
-use calibrate::experiment::{Experiment, Role, Run};
+use calibrate::experiment::{Experiment, Role};
 use calibrate::outcome::{Outcome, Setting};
 use calibrate::report::{ROLES, Replay, ReplayedChannel, role_name};
 use calibrate::simulate::Drive;
@@ -21,8 +21,9 @@ const LIMIT: f64 = 1e-6;
 pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -> Result<Replay, Failure> {
     let has = |role: &Role| outcome.errors.iter().any(|e| e.role == *role);
     let role = ROLES.into_iter().rev().find(has).unwrap_or(Role::Fit);
-    let of_role = || experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role);
-    let mut replayed: Vec<String> = of_role().map(|(r, _)| r.file.clone()).collect();
+    let of_role =
+        || experiment.runs.iter().zip(&outcome.settings).enumerate().filter(|(_, (r, _))| r.role == role);
+    let mut replayed: Vec<String> = of_role().map(|(_, (r, _))| r.file.clone()).collect();
     replayed.dedup();
     let open = |(standard, path): &(Standard, PathBuf)| Ok((*standard, Archive::open(path)?));
     let archives = exported.archives.iter().map(open).collect::<Result<Vec<_>, Failure>>()?;
@@ -30,7 +31,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
     let starts = |setting: &Setting| differences(experiment, setting, outcome, exported, first.description());
     let replay_one = |(standard, archive): &(Standard, Archive)| -> Result<Vec<ReplayedChannel>, Failure> {
         let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
-        for (run, setting) in of_role() {
+        for (place, (run, setting)) in of_role() {
             let drive = Drive::new(experiment, run)?;
             let shown = if carries(setting, outcome) {
                 shown(archive, &starts(setting), experiment, &drive)?
@@ -48,7 +49,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
                 let path = build(exported.kind, *standard, contents, &exported.library, folder.path())?;
                 shown(&Archive::open(&path)?, &starts(setting), experiment, &drive)?
             };
-            compare(experiment, outcome, run, &shown, &mut sums);
+            compare(experiment, outcome, place, &shown, &mut sums);
         }
         let mut channels = Vec::new();
         for (n, (channel, sum)) in
@@ -88,7 +89,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         replayed,
         role: role_name(role),
         start_values: of_role()
-            .map(|(run, setting)| (run.file.clone(), starts(setting).into_iter().collect()))
+            .map(|(_, (run, setting))| (run.file.clone(), starts(setting).into_iter().collect()))
             .collect(),
         channels,
     })
@@ -242,12 +243,10 @@ impl Default for Sum {
 }
 
 /// Adds a run up: what the FMU shows against what was measured, and against the native model where that is kept.
-fn compare(experiment: &Experiment, outcome: &Outcome, run: &Run, shown: &[Vec<f64>], sums: &mut [Sum]) {
-    let inputs = experiment.inputs.len();
+fn compare(experiment: &Experiment, outcome: &Outcome, place: usize, shown: &[Vec<f64>], sums: &mut [Sum]) {
+    let (inputs, run) = (experiment.inputs.len(), &experiment.runs[place]);
     let (from, to) = run.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-    let same =
-        |c: &&calibrate::outcome::Curves| (&c.file, c.role, c.window) == (&run.file, run.role, run.window);
-    let curves = outcome.curves.iter().find(same);
+    let curves = outcome.curves.iter().find(|c| c.run == place);
     for (n, sum) in sums.iter_mut().enumerate() {
         let measured = &run.table.columns[inputs + n];
         let counts = |k: &usize| (from..=to).contains(&run.table.time[*k]) && measured[*k].is_finite();

@@ -39,7 +39,7 @@ fn found(id: &str) -> Found {
     }
 }
 
-fn curves(file: &str, role: Role) -> Curves {
+fn curves(run: usize, file: &str, role: Role) -> Curves {
     let time: Vec<f64> = (0..300).map(|k| 10.0 * f64::from(k)).collect();
     let outputs = ["voltage_V", "winding_temperature_degC"].map(|column| {
         let of = |off: f64| time.iter().map(|t| 20.0 + (t / 300.0).sin() + off * (t / 900.0).cos()).collect();
@@ -54,7 +54,7 @@ fn curves(file: &str, role: Role) -> Curves {
             half_width: vec![0.2; 300],
         }
     });
-    Curves { file: file.to_owned(), role, window: Some((0.0, 2000.0)), time, outputs: outputs.to_vec() }
+    Curves { run, file: file.to_owned(), role, window: Some((0.0, 2000.0)), time, outputs: outputs.to_vec() }
 }
 
 /// The outcome with a verdict; what does not belong to it is left out.
@@ -153,7 +153,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
             autocorrelation: (0.83, 0.02),
         }],
         limits: if verdict == Verdict::Nothing { vec![limit] } else { Vec::new() },
-        curves: vec![curves("run-1.csv", Role::Fit), curves("run-2.csv", Role::Test)],
+        curves: vec![curves(0, "run-1.csv", Role::Fit), curves(1, "run-2.csv", Role::Test)],
         settings: vec![export.clone(), export.clone()],
         export,
         endings: Vec::new(),

@@ -1,6 +1,8 @@
+mod figures;
+
 use super::*;
 use calibrate::experiment::{Deviation, Role};
-use calibrate::outcome::Follows;
+use calibrate::outcome::{ChannelError, Curves, Follows};
 use describe::{Driver, Factor, GenericTerm, Grid, Lag, Law, Port, Product};
 use present::check;
 use serde_json::{Value, json};
@@ -45,6 +47,7 @@ fn the_report_is_that_of_the_contract() {
     assert_eq!(found["prediction"]["fit"]["voltage_V"], json!({"half_width": 0.2, "inside": 0.95}));
     assert_eq!(found["error"]["validate"], json!({}), "a role without runs is there and empty");
     assert_eq!(found["fmu"], json!(["fmi2/AnnulusCooledMotor.fmu"]));
+    assert_eq!((&found["explains_data"], &found["remaining_error"]), (&json!(true), &Value::Null));
 }
 
 #[test]
@@ -67,13 +70,55 @@ fn what_has_no_name_has_a_port_a_driver_a_shape_and_a_law() {
     assert_eq!(nothing["detection_limits"][0]["size"], json!(2e-6));
 }
 
-/// A row for each run, output and time; a blank where nothing was measured.
+/// Whether the model explains the data, with the error that it leaves, as the first sentence of the report has it.
+#[test]
+fn the_report_states_whether_the_model_explains_the_data() {
+    for verdict in ALL {
+        let mut outcome = sample::outcome(verdict);
+        let test = outcome.errors.iter_mut().find(|e| e.role == Role::Test).unwrap();
+        test.after = 6.0 * test.floor;
+        let report = Report::new(&outcome, &[], None, &[], (4.5, 45.0));
+        let found: Value = serde_json::from_str(&serde_json::to_string(&report).unwrap()).unwrap();
+        assert_eq!(found["explains_data"], json!(false));
+        let remaining = &found["remaining_error"];
+        assert_eq!((&remaining["role"], &remaining["channel"]), (&json!("test"), &json!("voltage_V")));
+        assert!((remaining["error_over_noise"].as_f64().unwrap() - 6.0).abs() < 1e-9);
+        let sentence = text::verdict(&outcome);
+        assert!(
+            sentence.contains("the error of voltage on the test data is 6 times the noise"),
+            "{sentence}"
+        );
+        // Good instruments err as much.
+        outcome.errors.iter_mut().for_each(|e| e.instruments = 10.0 * e.floor);
+        assert!(outcome.remaining_error().is_none());
+    }
+    let why = Unusable { channel: String::new(), reason: String::new(), suggestion: String::new() };
+    let report = Report::unusable(("a", "b"), &why, &[], (0.0, 0.0));
+    assert!(serde_json::to_value(&report).unwrap()["explains_data"].is_null());
+}
+
+/// Rows count in the role of their window, once each; those of two parts of a run are not lost.
+#[test]
+fn rows_count_once_in_each_role() {
+    let mut outcome = sample::outcome(Verdict::Named);
+    let whole = outcome.curves[0].clone();
+    let in_role = |role, window| Curves { role, window, ..whole.clone() };
+    let rows = |outcome: &Outcome| text::residuals(outcome).lines().count() - 1;
+    outcome.curves = vec![in_role(Role::Fit, Some((0.0, 995.0))), in_role(Role::Test, Some((995.0, 5000.0)))];
+    assert_eq!(rows(&outcome), 2 * 300);
+    outcome.curves = vec![in_role(Role::Fit, None), in_role(Role::Test, None)];
+    assert_eq!(rows(&outcome), 2 * 2 * 300, "once in each role");
+    outcome.curves = vec![in_role(Role::Fit, Some((0.0, 1000.0))), in_role(Role::Fit, Some((500.0, 1490.0)))];
+    assert_eq!(rows(&outcome), 2 * 150, "windows that share rows");
+}
+
+/// A row for each run, output and time in the window; a blank where nothing was measured.
 #[test]
 fn residuals_are_a_table() {
     let outcome = sample::outcome(Verdict::Named);
     let text = text::residuals(&outcome);
     let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows.len(), 1 + 2 * 2 * 300);
+    assert_eq!(rows.len(), 1 + 2 * 2 * 201);
     assert!(rows.iter().all(|row| row.len() == 9));
     assert_eq!(rows[8][..5], ["\"run-1.csv\"", "fit", "voltage_V", "70", ""]);
     let curve = &outcome.curves[0].outputs[0];
@@ -136,6 +181,25 @@ fn a_verdict_states_what_remains() {
     );
 }
 
+/// A verdict with an effect says what the repaired model leaves of the runs that were not fitted: the worst of them.
+#[test]
+fn a_verdict_states_what_remains_of_other_runs() {
+    let mut outcome = sample::outcome(Verdict::Unexplained);
+    let fit = outcome.errors.clone();
+    outcome.errors.extend(fit.into_iter().filter(|e| e.role == Role::Fit).map(|e| ChannelError {
+        role: Role::Validate,
+        after: 25.0 * e.floor,
+        ..e
+    }));
+    outcome.errors.iter_mut().filter(|e| e.role == Role::Test).for_each(|e| e.after = 19.0 * e.floor);
+    let sentence = text::verdict(&outcome);
+    assert!(
+        sentence.contains("explains the fit data, but not the other runs: the error of")
+            && sentence.contains("on the validation data is 25 times the noise"),
+        "{sentence}"
+    );
+}
+
 /// A law beside an effect that explains more is stated with it.
 #[test]
 fn what_explains_less_is_stated_beside_a_name() {
@@ -165,8 +229,17 @@ fn page_of(verdict: Verdict) -> String {
 }
 
 fn page_with(experiment: &Experiment, outcome: &Outcome) -> String {
+    page_from(page::Data { used: experiment, read: experiment }, outcome)
+}
+
+/// A page with the letters that are typed.
+fn plain(page: &str) -> String {
+    page.replace('\u{a0}', " ").replace('\u{2212}', "-")
+}
+
+fn page_from(data: page::Data, outcome: &Outcome) -> String {
     let declaration = (describe::models::by_name(outcome.model).unwrap().declaration)();
-    page::page(experiment, outcome, &sample::replay(), &outcome.notes, declaration, &sample::made_of())
+    plain(&page::page(data, outcome, &sample::replay(), &outcome.notes, declaration, &sample::made_of()))
 }
 
 /// Keys are code, or words: in headings, sentences, tables and figures of every verdict, and where the data are unusable.
@@ -179,7 +252,7 @@ fn a_page_has_no_raw_keys() {
         suggestion: "check unit and sign of voltage_V".to_owned(),
     };
     let declaration = (describe::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
-    let unusable = page::unusable(&experiment, &why, declaration, &sample::made_of());
+    let unusable = page::unusable(&experiment, (&why, None), declaration, &sample::made_of());
     for page in ALL.map(page_of).into_iter().chain([unusable]) {
         for text in check::texts(&page).iter().filter(|text| *text != "residuals.csv") {
             let key = text.split_whitespace().find(|word| check::is_key(word));
@@ -215,7 +288,10 @@ fn blocks_of_tables_have_headings() {
     assert!(heads.len() >= 5, "{}", heads.len());
     for head in heads {
         let first = head.split(['>', '<']).nth(1).unwrap();
-        assert!(["output", "candidate", "parameter", "channel", "symbol"].contains(&first), "{first}");
+        assert!(
+            ["output", "candidate", "parameter", "channel", "effect", "symbol"].contains(&first),
+            "{first}"
+        );
     }
 }
 
@@ -224,7 +300,9 @@ fn blocks_of_tables_have_headings() {
 fn few_readings_are_a_table() {
     let mut outcome = sample::outcome(Verdict::Named);
     for curves in &mut outcome.curves {
-        curves.outputs[0].measured[..299].fill(f64::NAN);
+        for (row, value) in curves.outputs[0].measured.iter_mut().enumerate() {
+            *value = if [150, 299].contains(&row) { *value } else { f64::NAN };
+        }
     }
     let page = page_with(&sample::experiment(), &outcome);
     assert!(
@@ -234,10 +312,13 @@ fn few_readings_are_a_table() {
     let row = page
         .split("<td data-label=\"output\">voltage in V</td><td class=\"n\" data-label=\"time in s\">")
         .nth(1);
-    assert!(row.is_some_and(|row| row.starts_with("2990<")), "{row:?}");
+    assert!(row.is_some_and(|row| row.starts_with("1500<")), "{row:?}");
+    assert!(!page.contains(">2990<"), "a row behind the window is no row of the table");
+    assert!(page.contains("measured, with 95 % of the noise"));
     // Over the time of the only reading of each run there is nothing to see.
     for curve in outcome.curves.iter_mut().flat_map(|c| &mut c.outputs) {
-        curve.measured[..299].fill(f64::NAN);
+        curve.measured[..150].fill(f64::NAN);
+        curve.measured[151..].fill(f64::NAN);
     }
     assert!(!page_with(&sample::experiment(), &outcome).contains("over time"));
 }
@@ -251,7 +332,7 @@ fn changes_of_parameters_are_comparable() {
     let figure =
         page.split("aria-label=\"Change of the parameters").nth(1).unwrap().split("</svg>").next().unwrap();
     // The refit of motor.R_ref is 1.4 standard deviations of its prior away from the preset.
-    assert!(figure.contains(">\u{2212}2<") && figure.contains(">2<") && !figure.contains(">4<"), "{figure}");
+    assert!(figure.contains(">-2<") && figure.contains(">2<") && !figure.contains(">4<"), "{figure}");
 }
 
 /// The sentence of the verdict and the next experiment are about one error.
@@ -294,10 +375,14 @@ fn numbers_of_a_law_are_described() {
 #[test]
 fn a_page_is_complete_in_itself() {
     for (verdict, words) in ALL.iter().zip([
-        ["Identified effects", "Experiment that distinguishes them", "9.1e-5 ... 9.9e-5"],
+        ["Identified effects", "Experiment that distinguishes them", "9.1 × 10⁻⁵ to 9.9 × 10⁻⁵"],
         ["one of iron loss or viscous friction", "explained equally well by", "Probability"],
-        ["Law: drag torque = 0.002 N·m · (speed / 500)^0.75", "was added to the model", "At most 0.14 W"],
-        ["Detection limits", "2e-6", "predicts the runs to the noise"],
+        [
+            "Law: drag torque = 0.002 N·m · (speed / 500 rad/s)^0.75",
+            "was added to the model",
+            "At most 0.14 W",
+        ],
+        ["Detection limits", "2 × 10⁻⁶", "predicts the runs to the noise"],
     ]) {
         let page = page_of(*verdict);
         for word in words.iter().chain(&[
@@ -311,7 +396,7 @@ fn a_page_is_complete_in_itself() {
             "window ends",
             "noise: 0.1 K",
             "Measured and predicted",
-            "Status: test errors: voltage 0.11 V (before 2.9, noise 0.1)",
+            "Status: test errors: voltage 0.11 V (before 2.9 V, noise 0.1 V)",
             "the exported FMUs reproduce them",
             "ARX of order 2",
             "Unknowns of single runs",
@@ -371,5 +456,25 @@ fn a_law_of_two_drivers_is_described() {
     (found.port, found.follows) = (Port::HousingHeat, follows);
     (outcome.effects[0].port, outcome.effects[0].term) = (Port::HousingHeat, Some(term));
     let svg = page::figures::shape(&found, &outcome).svg;
-    assert!(["290 K", "300 K", "320 K"].iter().all(|at| svg.contains(at)), "{svg}");
+    assert!(
+        ["290 K", "300 K", "320 K"]
+            .iter()
+            .all(|at| svg.contains(&format!("law at housing temperature {at}"))),
+        "{svg}"
+    );
+    assert!(
+        svg.contains("estimate, mean over housing temperature") && svg.contains("housing heat in W"),
+        "{svg}"
+    );
+    outcome.unexplained = Some(found);
+    outcome.effects[0].parameters =
+        (0..6).map(|k| figures::value(&format!("point {k}"), 0.5 * f64::from(k))).collect();
+    let page = page_with(&sample::experiment(), &outcome);
+    let head = "<th class=\"n\">speed in rad/s</th><th class=\"n\">housing temperature 290 K</th>";
+    assert!(
+        page.contains(head) && page.contains(">2.50 (2.40 to 2.60)<") && !page.contains("value at"),
+        "{page}"
+    );
+    // The mean over the second driver is less than the greatest value.
+    assert!(page.contains("At most 5.5 W"));
 }

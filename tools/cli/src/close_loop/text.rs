@@ -1,11 +1,14 @@
 //! Verdict, effects and replay of closing the loop, as text.
 
 use calibrate::experiment::{Experiment, Role};
-use calibrate::outcome::{ChannelError, Follows, Found, Outcome, Verdict};
+use calibrate::outcome::{ChannelError, Estimate, Follows, Found, Outcome, Verdict};
 pub use calibrate::report::words as plain;
 use calibrate::report::{Replay, column_words, driver_unit, role_words};
 use describe::{Driver, Factor, GenericTerm, Lag, Law, ModelType, Port, Resources, StartValues, usage};
 pub use present::number;
+use std::collections::HashSet;
+
+use super::page::numbers::{estimate, interval, rough};
 
 /// The port of a term, as text.
 pub fn port(port: Port) -> &'static str {
@@ -76,6 +79,16 @@ pub fn with_unit(value: f64, unit: &str) -> String {
     format!("{} {}", number(value), present::words::unit(unit)).trim_end().to_owned()
 }
 
+/// A value of a driver with its unit.
+fn in_driver(value: f64, driver: Driver) -> String {
+    with_unit(value, driver_unit(driver))
+}
+
+/// Whether a number of an effect is a value of a law by points, which a table has.
+pub fn is_value(estimate: &Estimate) -> bool {
+    estimate.name.starts_with("value at ")
+}
+
 /// A term's law: an equation, a table or a grid, and its lag.
 pub fn law(term: &GenericTerm) -> String {
     if let Some([conductance, capacity]) = term.mass() {
@@ -96,15 +109,19 @@ fn present_law(term: &GenericTerm) -> String {
             let factors = product.factors.iter().flatten().map(|f| {
                 let off = match f.offset {
                     0.0 => plain(f.driver.name()),
-                    off if off > 0.0 => format!("({} − {})", plain(f.driver.name()), number(off)),
-                    off => format!("({} + {})", plain(f.driver.name()), number(-off)),
+                    off if off > 0.0 => {
+                        format!("({} − {})", plain(f.driver.name()), in_driver(off, f.driver))
+                    }
+                    off => format!("({} + {})", plain(f.driver.name()), in_driver(-off, f.driver)),
                 };
-                format!(" · ({off} / {})^{}", number(f.reference), number(f.exponent))
+                let power =
+                    if f.exponent == 1.0 { String::new() } else { format!("^{}", number(f.exponent)) };
+                format!(" · ({off} / {}){power}", in_driver(f.reference, f.driver))
             });
             let size = with_unit(product.coefficient, term.port.unit().name());
             let ranged = product.factors.iter().flatten().filter(|f| f.range != Factor::UNLIMITED).map(|f| {
                 let (least, most) = f.range;
-                let most = with_unit(most, driver_unit(f.driver));
+                let most = in_driver(most, f.driver);
                 format!("; constant outside {} from {} to {most}", plain(f.driver.name()), number(least))
             });
             let law: String = factors.chain(ranged).collect();
@@ -112,19 +129,23 @@ fn present_law(term: &GenericTerm) -> String {
         }
         Law::Table(table) => {
             let (x, y) = table.points();
-            let points: Vec<String> =
-                x.iter().zip(y).map(|(x, y)| format!("{} at {}", number(*y), number(*x))).collect();
+            let end = |k: usize| {
+                let value = with_unit(y[k], term.port.unit().name());
+                format!("{value} at {}", in_driver(x[k], table.driver))
+            };
             format!(
-                "a table of {} over {}, held beyond its ends: {}",
+                "a table of {} over {} with {} points, from {} to {}, held beyond its ends",
                 plain(term.port.name()),
                 plain(table.driver.name()),
-                points.join(", ")
+                x.len(),
+                end(0),
+                end(x.len() - 1)
             )
         }
         Law::Grid(grid) => {
             let line = |k: usize| {
                 let (points, driver) = (grid.points(k), grid.drivers[k]);
-                let last = with_unit(points[points.len() - 1], driver_unit(driver));
+                let last = in_driver(points[points.len() - 1], driver);
                 format!(
                     "{} ({} points from {} to {last})",
                     plain(driver.name()),
@@ -159,14 +180,11 @@ pub fn found(effect: &Found) -> String {
     let sizes: Vec<String> = effect
         .parameters
         .iter()
+        .filter(|p| !is_value(p))
         .map(|p| {
-            format!(
-                "{} = {} ({} to {})",
-                p.name,
-                with_unit(p.value, p.unit),
-                number(p.ci95.0),
-                number(p.ci95.1)
-            )
+            let unit = present::words::unit(p.unit);
+            let value = format!("{} {unit}", estimate(p.value, p.ci95));
+            format!("{} = {} ({})", p.name, value.trim_end(), interval(p.ci95))
         })
         .collect();
     let runs =
@@ -175,17 +193,22 @@ pub fn found(effect: &Found) -> String {
     format!("{name}{sizes}{runs}")
 }
 
-/// The verdict in one sentence, and a second one if a large deviation remains in the fit runs of a repaired model.
+/// The verdict in one sentence, and another one if a large deviation remains where an effect was found: in the fit runs, else in the others.
 pub fn verdict(outcome: &Outcome) -> String {
     let sentence = lacks(outcome);
     let is_found = matches!(outcome.verdict, Verdict::Named | Verdict::Class | Verdict::Unexplained);
     let model = if outcome.effects.is_empty() { "fitted" } else { "repaired" };
-    match is_found.then(|| unexplained_error(outcome, Role::Fit)).flatten() {
-        Some(error) => format!(
+    let Some((e, ratio)) = outcome.remaining_error().filter(|_| is_found) else { return sentence };
+    let error = times_the_noise(e, ratio);
+    if e.role == Role::Fit {
+        return format!(
             "{sentence} The {model} model does not explain all of it: {error}. Another effect or a mistake in the data remains."
-        ),
-        None => sentence,
+        );
     }
+    format!(
+        "{sentence} The {model} model explains the fit data, but not the other runs: {error}. What was found does not hold there, or another \
+         effect acts in them."
+    )
 }
 
 fn lacks(outcome: &Outcome) -> String {
@@ -242,9 +265,6 @@ fn lacks(outcome: &Outcome) -> String {
     }
 }
 
-/// Error over noise up to which parameter values explain the data.
-const EXPLAINED: f64 = 2.0;
-
 /// The sentence without an effect: whether the search was cut, and whether the parameters explain the data that were not fitted.
 fn nothing(outcome: &Outcome) -> String {
     let effect = match outcome.is_cut {
@@ -257,15 +277,9 @@ fn nothing(outcome: &Outcome) -> String {
     }
 }
 
-/// What the parameters do not explain of the data that were not fitted: of the test runs, else of the validation runs.
+/// What the parameters do not explain of the data that show what the model is worth.
 fn left(outcome: &Outcome) -> Option<String> {
-    unexplained_error(outcome, unfitted(outcome))
-}
-
-/// The role whose runs show what the model is worth.
-pub fn unfitted(outcome: &Outcome) -> Role {
-    let is_tested = outcome.errors.iter().any(|e| e.role == Role::Test && e.floor > 0.0);
-    if is_tested { Role::Test } else { Role::Validate }
+    outcome.unexplained_error(outcome.unfitted()).map(|(e, ratio)| times_the_noise(e, ratio))
 }
 
 /// The error of a channel in the runs of a role.
@@ -273,12 +287,8 @@ pub fn error_of(e: &ChannelError) -> String {
     format!("the error of {} on the {} data", column_words(e.column).0, role_words(e.role))
 }
 
-/// The greatest error of the final model relative to the noise, if it is above [`EXPLAINED`] and the error of good instruments.
-fn unexplained_error(outcome: &Outcome, role: Role) -> Option<String> {
-    let of = outcome.errors.iter().filter(|e| e.role == role && e.floor > 0.0 && e.after > e.instruments);
-    let ratios = of.map(|e| (e, e.after / e.floor)).filter(|(_, ratio)| *ratio > EXPLAINED);
-    let (e, ratio) = ratios.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(format!("{} is {} times the noise", error_of(e), number(ratio)))
+fn times_the_noise(e: &ChannelError, ratio: f64) -> String {
+    format!("{} is {} times the noise", error_of(e), rough(ratio))
 }
 
 /// The sentence on what no listed effect explains.
@@ -311,9 +321,9 @@ pub fn parameters(outcome: &Outcome) -> String {
     let mut text =
         format!("\n{:32} {:>12} {:>12} {:12} 95 % interval\n", "parameter", "before", "after", "unit");
     for p in &outcome.parameters {
-        let [before, after, low, high] = [p.prior, p.value, p.ci95.0, p.ci95.1].map(number);
+        let (before, after, interval) = (number(p.prior), estimate(p.value, p.ci95), interval(p.ci95));
         let unit = present::words::unit(p.unit);
-        text += &format!("{:32} {before:>12} {after:>12} {unit:12} {low} ... {high}\n", p.name);
+        text += &format!("{:32} {before:>12} {after:>12} {unit:12} {interval}\n", p.name);
     }
     text
 }
@@ -336,12 +346,18 @@ pub fn replay(replay: &Replay) -> String {
         return "no run was replayed with the exported FMUs: no role has a reading".to_owned();
     };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
+    let runs = list(&replay.replayed, "and");
+    if replay.greatest_difference == 0.0 {
+        return format!(
+            "replayed with the exported FMUs: {runs} ({} data); no difference of their RMSE from the model's",
+            replay.role
+        );
+    }
     format!(
-        "replayed with the exported FMUs: {} ({} data); their RMSE differs from the model's by at most {} of the channel's range ({} in {}), \
+        "replayed with the exported FMUs: {runs} ({} data); their RMSE differs from the model's by at most {} of the channel's range ({} in {}), \
          {relation} {:.0e}",
-        list(&replay.replayed, "and"),
         replay.role,
-        number(replay.greatest_difference),
+        rough(replay.greatest_difference),
         column_words(worst.column).0,
         worst.standard,
         replay.limit
@@ -362,15 +378,23 @@ pub fn unused_inputs(kind: &ModelType, starts: &StartValues, terms: &[GenericTer
 /// Header of residuals.csv.
 pub const RESIDUALS: &str = "file,role,channel,time_s,measured,before,refit,after,residual\n";
 
-/// Measured and predicted values of every output and the residual of the model after the repair, as in the figures of the report: a row for each run, output and time.
+/// Measured and predicted values of every output and the residual of the model after the repair, as in the figures of the report: a row for
+/// each output and time in each role in which the time counts.
 pub fn residuals(outcome: &Outcome) -> String {
     let mut text = String::from(RESIDUALS);
     let quoted = |file: &str| format!("\"{}\"", file.replace('"', "\"\""));
+    let mut known = HashSet::new();
     for curves in &outcome.curves {
         let (file, role) = (quoted(&curves.file), calibrate::report::role_name(curves.role));
         for curve in &curves.outputs {
             let columns = [&curve.measured, &curve.before, &curve.refit, &curve.after];
-            for (k, time) in curves.time.iter().enumerate() {
+            let (from, to) = curves.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+            let counts = |time: &f64| (from..=to).contains(time);
+            for (k, time) in curves.time.iter().enumerate().filter(|(_, time)| counts(time)) {
+                // Windows of a role may share rows.
+                if !known.insert((&curves.file, role, curve.column, time.to_bits())) {
+                    continue;
+                }
                 let cell = |x: f64| if x.is_finite() { x.to_string() } else { String::new() };
                 let cells = columns.map(|values| cell(values[k])).join(",");
                 let residual = cell(curve.measured[k] - curve.after[k]);

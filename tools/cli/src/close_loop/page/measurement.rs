@@ -1,12 +1,13 @@
 //! What the data are worth: noise and drift, power of what was found, and the next experiment.
 
-use super::super::text::{error_of, list, number, plain, unfitted};
+use super::super::text::{error_of, list, number, plain};
+use super::numbers::rough;
 use super::{channel, models_table};
 use calibrate::experiment::{Channel, Experiment};
 use calibrate::noise;
 use calibrate::outcome::{ChannelError, Follows, Found, Outcome, Unexplained, Verdict};
 use calibrate::report::column_words;
-use describe::{Driver, Port};
+use describe::{Driver, Law, Port};
 use maud::{Markup, html};
 use present::page::Cell;
 use std::cmp::Ordering;
@@ -21,7 +22,7 @@ pub fn noises(experiment: &Experiment, outcome: &Outcome) -> Markup {
     let channels: Vec<&Channel> = experiment.inputs.iter().chain(&experiment.outputs).copied().collect();
     let sizes = noise::of_experiment(experiment);
     let rows = channels.iter().zip(sizes).map(|(c, size)| {
-        let is_constant = range(experiment, |other| other.column == c.column).is_some_and(|r| r.1 == r.2);
+        let is_constant = is_constant(experiment, c);
         let origin = match experiment.noise.contains_key(c.column) {
             true => "stated",
             false if is_constant => "constant",
@@ -31,7 +32,7 @@ pub fn noises(experiment: &Experiment, outcome: &Outcome) -> Markup {
         vec![
             channel(c.column).into(),
             // The noise that a constant column is given for the numerics says nothing about its sensor.
-            Cell::maybe((origin != "constant").then_some(size)),
+            Cell::Number(if origin == "constant" { String::new() } else { rough(size) }),
             origin.into(),
             Cell::maybe(white.map(|w| w.autocorrelation.1)),
             Cell::maybe(white.map(|w| w.blocks_after)),
@@ -46,6 +47,17 @@ pub fn noises(experiment: &Experiment, outcome: &Outcome) -> Markup {
         }
         (models_table(outcome, &headers, rows.collect()))
     }
+}
+
+/// Whether a column has one value in each run.
+fn is_constant(experiment: &Experiment, channel: &Channel) -> bool {
+    let mut all = experiment.inputs.iter().chain(&experiment.outputs);
+    let Some(k) = all.position(|c| c.column == channel.column) else { return false };
+    experiment.runs.iter().all(|run| {
+        let mut known = run.table.columns[k].iter().filter(|x| x.is_finite());
+        let first = known.next();
+        known.all(|x| Some(x) == first)
+    })
 }
 
 /// The greatest size of a driver in the runs, and its range; in SI units.
@@ -95,8 +107,13 @@ fn watts(port: Port, value: f64, experiment: &Experiment) -> Option<f64> {
 }
 
 /// The power that an unexplained effect amounts to, in a sentence.
-pub fn power(found: &Unexplained, experiment: &Experiment) -> Option<String> {
-    let most = found.shape.iter().map(|p| p.1.abs()).fold(0.0, f64::max);
+pub fn power(found: &Unexplained, experiment: &Experiment, outcome: &Outcome) -> Option<String> {
+    // The shape over two drivers is a mean over the second one.
+    let grids = outcome.effects.iter().filter(|e| e.port == found.port).filter_map(|e| match &e.term?.law {
+        Law::Grid(grid) => Some(grid.values().flatten().copied().collect::<Vec<_>>()),
+        _ => None,
+    });
+    let most = found.shape.iter().map(|p| p.1).chain(grids.flatten()).map(f64::abs).fold(0.0, f64::max);
     let power = watts(found.port, most, experiment).filter(|p| *p > 0.0)?;
     Some(format!(
         "At most {} W, at the greatest speed, current or temperature rise of the runs.",
@@ -110,7 +127,7 @@ fn spanned(found: (&Channel, f64, f64)) -> String {
     let (name, unit) = column_words(channel.column);
     let unit = if channel.is_temperature() { "degC" } else { unit };
     let (least, most) = (number(least - channel.offset), number(most - channel.offset));
-    let ends = if least == most { format!("{least} {unit}") } else { format!("{least} ... {most} {unit}") };
+    let ends = if least == most { format!("{least} {unit}") } else { format!("{least} to {most} {unit}") };
     format!("{name} ({})", ends.trim_end())
 }
 
@@ -197,7 +214,7 @@ pub fn next(experiment: &Experiment, outcome: &Outcome) -> Vec<String> {
             .filter(|e| e.after > ABOVE_NOISE * e.floor)
             // First of the runs of the verdict, so that both name one error.
             .max_by(|a, b| {
-                let rank = |e: &ChannelError| (e.role == unfitted(outcome), e.after / e.floor);
+                let rank = |e: &ChannelError| (e.role == outcome.unfitted(), e.after / e.floor);
                 rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal)
             });
         all.push(match worst {
@@ -205,7 +222,7 @@ pub fn next(experiment: &Experiment, outcome: &Outcome) -> Vec<String> {
                 "{} is {} times the noise: a run with steps of one input at a time, each held for three time constants, shows which input it \
                  follows; a second sensor on the same part shows whether the sensor is the cause.",
                 super::capital(&error_of(e)),
-                number(e.after / e.floor)
+                rough(e.after / e.floor)
             ),
             None => "The model predicts the runs to the noise. Runs of twice the length lower the detection limits by a factor of \
                      1.4; runs at higher speed, current and temperature lower those of effects that grow with these."

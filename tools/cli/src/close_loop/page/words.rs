@@ -6,6 +6,7 @@ use calibrate::report::column_words;
 use describe::{Declaration, Driver, Entry, Port};
 use maud::{Markup, html};
 use present::check::is_key;
+use present::typeset;
 
 /// What the keys of a page are of.
 #[derive(Clone, Copy)]
@@ -17,6 +18,30 @@ pub struct Words<'a> {
 enum Piece {
     Text(String),
     Code(String),
+}
+
+/// Pieces as they stand on the page.
+fn markup(pieces: Vec<Piece>) -> Markup {
+    // Texts in one, since a number stays with its unit.
+    let mut joined: Vec<Piece> = Vec::new();
+    for piece in pieces {
+        match (joined.last_mut(), piece) {
+            (Some(Piece::Text(all)), Piece::Text(text)) => *all += &text,
+            (_, piece) => joined.push(piece),
+        }
+    }
+    html! { @for piece in joined { @match piece {
+        Piece::Text(text) => { (typeset(&text)) },
+        Piece::Code(key) => { code { (key) } },
+    } } }
+}
+
+/// The last word of pieces that a space follows.
+fn pieces_end(pieces: &[Piece]) -> Option<&str> {
+    match pieces {
+        [.., Piece::Text(word), Piece::Text(space)] if space == " " => Some(word),
+        _ => None,
+    }
 }
 
 /// A text with spaces in place of the underscores of its keys.
@@ -43,10 +68,21 @@ impl Words<'_> {
 
     /// A sentence in words, with keys that have to be typed as code.
     pub fn sentence(&self, text: &str) -> Markup {
-        html! { @for piece in self.pieces(text) { @match piece {
-            Piece::Text(text) => { (text) },
-            Piece::Code(key) => { code { (key) } },
-        } } }
+        markup(self.pieces(text))
+    }
+
+    /// A note as a sentence: with a capital letter, unless it begins with a name, and a full stop.
+    pub fn note(&self, text: &str) -> Markup {
+        let text = text.trim();
+        let stop = if text.ends_with(['.', '!', '?']) { "" } else { "." };
+        let first = text.split([' ', ':']).next().unwrap_or_default();
+        let is_word = first.chars().all(|c| c.is_alphabetic() || c == '_');
+        let mut pieces = self.pieces(text);
+        let begin = pieces.iter_mut().find(|piece| !matches!(piece, Piece::Text(text) if text.is_empty()));
+        if let (true, Some(Piece::Text(begin))) = (is_word, begin) {
+            *begin = super::capital(begin);
+        }
+        html! { (markup(pieces)) (stop) }
     }
 
     /// The same as text.
@@ -72,6 +108,14 @@ impl Words<'_> {
                 name => name,
             };
             rest = &rest[from + name.len()..];
+            // Behind a number, or as in "readings in degF".
+            let before = pieces_end(&pieces).unwrap_or_default();
+            if (before == "in" || before.parse::<f64>().is_ok())
+                && units::conversion(name, name, true).is_ok()
+            {
+                pieces.push(Piece::Text(present::words::unit(name)));
+                continue;
+            }
             let is_first = !described.contains(&name);
             described.push(name);
             pieces.extend(self.of_name(name, is_first, is_value || rest.trim_start().starts_with('=')));
@@ -141,6 +185,26 @@ mod tests {
     use super::*;
     use crate::close_loop::sample;
 
+    /// A note is a sentence; the name of a file stays as it is.
+    #[test]
+    fn notes_are_sentences() {
+        let experiment = sample::experiment();
+        let declaration = (describe::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
+        let words = Words { experiment: &experiment, declaration };
+        for (note, text) in [
+            ("run-1.csv: voltage_V has a spike at 3 s", "run-1.csv: voltage has a spike at 3 s."),
+            ("the fit runs disagree.", "The fit runs disagree."),
+            ("iron_loss acts in some runs only", "Iron loss acts in some runs only."),
+        ] {
+            assert_eq!(words.note(note).into_string(), text);
+        }
+        let begin = words.note("thermal.C_w = 5 J/K is at its limit").into_string();
+        assert!(
+            begin.starts_with("heat capacity of the winding (<code>") && begin.ends_with("limit."),
+            "{begin}"
+        );
+    }
+
     /// Each kind of key in the sentences of a report; a parameter is described once and keeps its key, which a user types.
     #[test]
     fn keys_become_words() {
@@ -150,7 +214,7 @@ mod tests {
         for (sentence, text) in [
             (
                 "run-1.csv: housing_temperature_degC reads -40 degC.",
-                "run-1.csv: housing temperature reads -40 degC.",
+                "run-1.csv: housing temperature reads -40 °C.",
             ),
             (
                 "winding_sensor_stem_loss acts in some runs only",
@@ -160,9 +224,11 @@ mod tests {
             ("ambient_pressure has no effect", "ambient pressure has no effect"),
             ("generic_term.exponent = 5.00", "power of the driver = 5.00"),
             ("a gap - of 3 s", "a gap - of 3 s"),
+            ("a constant in V.s/rad, readings in degF", "a constant in V·s/rad, readings in °F"),
+            ("in run-2.csv, in e.g. a box", "in run-2.csv, in e.g. a box"),
         ] {
             assert_eq!(words.text(sentence), text);
-            assert_eq!(words.sentence(sentence).into_string(), text);
+            assert_eq!(words.sentence(sentence).into_string(), typeset(text));
         }
         let sentence =
             words.sentence("thermal.C_w = 5 J/K is at its limit: add thermal.C_w to [prior]").into_string();

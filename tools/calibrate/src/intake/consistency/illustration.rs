@@ -1,0 +1,169 @@
+//! Readings that contradict the model, for a figure: as recorded, as predicted and as corrected.
+
+use super::mistakes::{Mistake, mistakes};
+use crate::deadline::Deadline;
+use crate::experiment::{Channel, Experiment, Role};
+use crate::intake::{Unusable, predicted};
+
+/// Largest number of rows of a figure. Definition: of the figure.
+const DRAWN: usize = 600;
+
+/// A run with readings that contradict the model. Temperatures in degC.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Illustration {
+    /// Its file.
+    pub file: String,
+    /// Times since the first row, s.
+    pub time: Vec<f64>,
+    /// The change of the readings that would agree, in words, if it is one of a unit, a factor or a sign.
+    pub change: Option<String>,
+    /// The channels, the contradicting ones first.
+    pub channels: Vec<Illustrated>,
+}
+
+/// One channel of an [`Illustration`]; values that are not known are left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Illustrated {
+    /// The column.
+    pub column: &'static str,
+    /// Readings as recorded.
+    pub recorded: Vec<f64>,
+    /// The same after the correction.
+    pub corrected: Option<Vec<f64>>,
+    /// Prediction of the preset with the inputs as recorded.
+    pub predicted: Option<Vec<f64>>,
+    /// The same with the corrected inputs.
+    pub predicted_corrected: Option<Vec<f64>>,
+}
+
+/// The readings of the channel that make an experiment, as read, unusable: of the file that the reason names, else of the first fit run.
+/// `None` where the reason is about no channel.
+pub fn illustration(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    why: &Unusable,
+    deadline: &Deadline,
+) -> Option<Illustration> {
+    let all: Vec<&'static Channel> = experiment.inputs.iter().chain(&experiment.outputs).copied().collect();
+    let inputs = experiment.inputs.len();
+    let place = all.iter().position(|c| c.column == why.channel)?;
+    let named = experiment.runs.iter().find(|run| why.reason.contains(&run.file));
+    let run = named.or_else(|| experiment.runs.iter().find(|run| run.role == Role::Fit))?;
+    let alone = Experiment { runs: vec![run.clone()], ..experiment.clone() };
+    let mistake = mistake(experiment, &why.reason);
+    let meant = mistake.as_ref().map(|mistake| {
+        let mut meant = alone.clone();
+        mistake.apply(&mut meant, &[0]);
+        meant
+    });
+    let mut touched = mistake.as_ref().map_or_else(|| vec![place], Mistake::touches);
+    // An input is judged by the outputs, which follow.
+    if touched.iter().any(|k| *k < inputs) {
+        touched.extend(inputs..all.len());
+    }
+    let mut known = Vec::new();
+    touched.retain(|k| {
+        !known.contains(k) && {
+            known.push(*k);
+            true
+        }
+    });
+    let simulated = |data: &Experiment| predicted(data, preset, &[0], deadline).pop().unwrap_or_default();
+    let as_recorded = simulated(&alone);
+    let as_meant = meant.as_ref().map(simulated);
+    let rows: Vec<usize> = (0..run.table.time.len()).step_by(run.table.time.len().div_ceil(DRAWN)).collect();
+    let drawn = |column: &[f64], k: usize| -> Option<Vec<f64>> {
+        let values: Vec<f64> = rows.iter().map(|row| column[*row] - all[k].offset).collect();
+        values.iter().any(|x| x.is_finite()).then_some(values)
+    };
+    let output = |k: usize, of: &[Vec<f64>]| drawn(of.get(k.checked_sub(inputs)?)?, k);
+    let differs = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| a != b;
+    let channel = |k: usize| {
+        let recorded = drawn(&run.table.columns[k], k);
+        let corrected = meant.as_ref().and_then(|m| drawn(&m.runs[0].table.columns[k], k));
+        let (before, after) = (output(k, &as_recorded), as_meant.as_ref().and_then(|m| output(k, m)));
+        Some(Illustrated {
+            column: all[k].column,
+            corrected: corrected.filter(|_| mistake.as_ref().is_some_and(|m| m.touches().contains(&k))),
+            predicted_corrected: if differs(&before, &after) { after } else { None },
+            recorded: recorded?,
+            predicted: before,
+        })
+    };
+    let first = run.table.time[0];
+    Some(Illustration {
+        file: run.file.clone(),
+        time: rows.iter().map(|row| run.table.time[*row] - first).collect(),
+        change: mistake.as_ref().and_then(Mistake::change).map(str::to_owned),
+        channels: touched.into_iter().filter_map(channel).collect(),
+    })
+}
+
+/// The mistake that a reason is about; one whose correction needs the model is left out.
+fn mistake(experiment: &Experiment, reason: &str) -> Option<Mistake> {
+    let places: Vec<&str> =
+        experiment.runs.iter().map(|run| run.file.as_str()).chain(["every run"]).collect();
+    mistakes(experiment)
+        .into_iter()
+        .filter(|m| !matches!(m, Mistake::Unmeasured { .. } | Mistake::Magnitude(_) | Mistake::Time(..)))
+        .find(|m| places.iter().any(|files| reason.starts_with(&m.words(experiment, files).1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::CELSIUS;
+    use crate::testing;
+
+    fn why(mistake: &Mistake, experiment: &Experiment) -> Unusable {
+        let (channel, reason, suggestion) = mistake.words(experiment, "every run");
+        Unusable { channel, reason: format!("{reason} (equally readings times 2)"), suggestion }
+    }
+
+    /// Each unit mistake is found again by its words, and its correction brings the readings to the prediction.
+    #[test]
+    fn readings_are_drawn_as_recorded_and_as_meant() {
+        let mut right = testing::experiment(testing::PRIORS, true);
+        let preset = crate::setup::Setup::new(&right, &[]).unwrap().preset().declared;
+        testing::read(&mut right, &preset, None);
+        let inputs = right.inputs.len();
+        let winding = right.outputs.iter().position(|c| c.is_temperature()).unwrap();
+        for mistake in mistakes(&right) {
+            let Mistake::Affine { columns, factor, offset, .. } = &mistake else { continue };
+            if *columns != [inputs + winding] {
+                continue;
+            }
+            let mut wrong = right.clone();
+            wrong.runs[0].table.columns[inputs + winding]
+                .iter_mut()
+                .for_each(|x| *x = (*x - offset) / factor);
+            let found = illustration(&wrong, &[], &why(&mistake, &wrong), &Deadline::default()).unwrap();
+            let own = &found.channels[0];
+            assert_eq!((found.channels.len(), found.change.as_deref()), (1, mistake.change()));
+            let expected = right.runs[0].table.columns[inputs + winding][0] - CELSIUS;
+            let corrected = own.corrected.as_ref().unwrap()[0];
+            assert!((corrected - expected).abs() < 1e-6, "{mistake:?}: {corrected} {expected}");
+            assert!((own.predicted.as_ref().unwrap()[0] - expected).abs() < 1.0);
+            assert_eq!(own.predicted_corrected, None, "an output does not change the prediction");
+        }
+    }
+
+    /// An input in a wrong unit: it and all outputs, predicted with it as recorded and as corrected.
+    #[test]
+    fn an_input_is_drawn_with_the_outputs() {
+        let mut right = testing::experiment(testing::PRIORS, true);
+        let preset = crate::setup::Setup::new(&right, &[]).unwrap().preset().declared;
+        testing::read(&mut right, &preset, None);
+        let current = right.inputs.iter().position(|c| c.column == "current_A").unwrap();
+        let mistake = mistakes(&right)
+            .into_iter()
+            .find(|m| matches!(m, Mistake::Affine { columns, words, .. } if *columns == [current] && words.contains("mA")))
+            .unwrap();
+        let found = illustration(&right, &[], &why(&mistake, &right), &Deadline::default()).unwrap();
+        assert_eq!(found.channels[0].column, "current_A");
+        assert!(found.channels[0].predicted.is_none() && found.channels[0].corrected.is_some());
+        assert!(found.channels[1..].iter().any(|c| c.predicted_corrected.is_some()));
+        let none = Unusable { channel: "time_s".to_owned(), ..why(&mistake, &right) };
+        assert_eq!(illustration(&right, &[], &none, &Deadline::default()), None);
+    }
+}
