@@ -5,6 +5,7 @@ pub use crate::fault::Fault;
 use crate::load_table::LoadTable;
 use crate::terms::{Drivers, GenericTerm};
 use declare::{Causality, Elements, Kind, State, Variability, Variable};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::OnceLock;
 
@@ -128,10 +129,12 @@ impl Declaration {
         let local = |entry: &Entry| entry.row.causality == Causality::Local;
         let indicators = (0..entries.len()).filter(|&k| local(&entries[k])).collect();
         let states = enter_states(&mut entries, states);
-        let counts = |entry: &Entry| {
-            entries.iter().any(|e| matches!(e.element, Some(Element { of: Elements::UpTo(_, name), .. }) if name == entry.name))
+        let counts = |e: &Entry| match e.element {
+            Some(Element { of: Elements::UpTo(_, name), .. }) => Some(name),
+            _ => None,
         };
-        let dimensions = (0..entries.len()).filter(|&k| counts(&entries[k])).collect();
+        let counts: BTreeSet<&str> = entries.iter().filter_map(counts).collect();
+        let dimensions = (0..entries.len()).filter(|&k| counts.contains(entries[k].name.as_str())).collect();
         let last = entries.iter().map(|e| e.value_reference).max().unwrap_or(0) as usize;
         let mut by_reference = vec![None; last + 1];
         for (k, entry) in entries.iter().enumerate() {

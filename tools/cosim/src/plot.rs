@@ -66,7 +66,7 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
         }
     }
     let mut far: Vec<String> = Vec::new();
-    let mut figure = Figure::stacked(&recording.model_name, Axis::new("time in s"));
+    let mut figure = Figure::stacked(&recording.model_name, Axis::time());
     for (_, columns) in panels {
         let flags = columns.iter().all(|c| c.kind == Kind::Boolean);
         let axis = Axis::new(&axis_title(&columns));

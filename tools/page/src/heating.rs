@@ -149,7 +149,7 @@ impl Heating {
     }
 
     fn curve(&self, temperatures: &[f64]) -> Vec<(f64, f64)> {
-        self.time.iter().zip(temperatures).map(|(t, k)| (t / 60.0, k - ZERO_CELSIUS)).collect()
+        self.time.iter().zip(temperatures).map(|(t, k)| (*t, k - ZERO_CELSIUS)).collect()
     }
 }
 
@@ -166,17 +166,14 @@ pub fn duration(seconds: f64) -> String {
 pub fn answer(choice: &Choice) -> Result<Answer, StudyError> {
     let found = heating(choice)?;
     let limit = found.limit - ZERO_CELSIUS;
-    let mut figure = Figure::new(
-        "Temperatures from a cold start",
-        Axis::new("time in min"),
-        Axis::new("temperature in °C"),
-    )
-    .line("winding", found.curve(&found.winding_temperature))
-    .line("housing", found.curve(&found.housing_temperature))
-    .limit(limit, &format!("limit {} °C", number(limit)));
+    let mut figure =
+        Figure::new("Temperatures from a cold start", Axis::time(), Axis::new("temperature in °C"))
+            .line("winding", found.curve(&found.winding_temperature))
+            .line("housing", found.curve(&found.housing_temperature))
+            .limit(limit, &format!("limit {} °C", number(limit)));
     let mut text = match found.time_to_limit {
         Some(time) => {
-            figure = figure.note(time / 60.0, &duration(time));
+            figure = figure.note(time, &duration(time));
             format!("The winding reaches its limit of {} °C after {}.", number(limit), duration(time))
         }
         None => format!(

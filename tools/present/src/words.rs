@@ -102,6 +102,7 @@ const FILES: [&str; 9] = ["csv", "toml", "json", "html", "svg", "png", "fmu", "t
 pub fn sentence(text: &str) -> String {
     let is_word = |part: &str| part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase());
     let is_file = |name: &str| name.rsplit_once('.').is_some_and(|(_, end)| FILES.contains(&end));
+    let is_degree = |name: &str| ["degC", "degF", "degR"].contains(&name);
     let (mut after_option, mut after_number, mut after_in) = (false, false, false);
     let is_unit = |part: &str| crate::units::is_unit(&unit(part.trim_matches([',', ';', ':', '.'])));
     let parts = text.split(' ').map(|part| {
@@ -111,7 +112,7 @@ pub fn sentence(text: &str) -> String {
             true => part.to_owned(),
             false if is_name => part.replace(name, &words(name)),
             // "in the" is no unit, "in degF" and "in V.s/rad" are.
-            false if after_number || after_in && is_unit(part) => unit(part),
+            false if after_number || after_in && is_unit(part) || is_degree(name) => unit(part),
             false => part.to_owned(),
         };
         after_option =
@@ -164,8 +165,8 @@ mod tests {
                 "'--outputs joint_torque', the file walk_cycle.csv",
             ),
             (
-                "readings in degF, constant in V.s/rad, in the end, in e.g. this",
-                "readings in °F, constant in V·s/rad, in the end, in e.g. this",
+                "readings in degF, constant in V.s/rad, in the end, in e.g. this (as of degF)",
+                "readings in °F, constant in V·s/rad, in the end, in e.g. this (as of °F)",
             ),
             ("thermal.T_w_max of maxon-re40-148877", "thermal.T_w_max of maxon-re40-148877"),
         ] {

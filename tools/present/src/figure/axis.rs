@@ -78,7 +78,9 @@ impl Axis {
     /// The quantity with the unit of the tick labels, which holds their power of ten; of differences with the origin that is taken away.
     pub(super) fn title(&self, scale: &Scale, ticks: &Ticks) -> String {
         let (quantity, unit) = self.parts(scale);
-        let of_ticks = times_ten_to(ticks.power, unit);
+        // A difference of temperatures in °C is in K.
+        let of_difference = if ticks.origin.is_some() && unit == "°C" { "K" } else { unit };
+        let of_ticks = times_ten_to(ticks.power, of_difference);
         let Some(origin) = &ticks.origin else {
             return if of_ticks.is_empty() {
                 quantity.to_owned()
@@ -161,6 +163,7 @@ mod tests {
             ),
             ("torque", -0.060_300_1, -0.060_299_4, "torque + 0.06030, in 10⁻⁹"),
             ("voltage in V", 100_000.0, 100_010.0, "voltage − 100000 V, in V"),
+            ("winding in °C", 25.0, 25.003, "winding − 25.00 °C, in mK"),
             (
                 "change in one of the parts in percent of all",
                 0.0,

@@ -115,6 +115,8 @@ impl Series {
         match self.kind {
             Kind::Points | Kind::Rings => self.ring(rank).map_or(Swatch::Point, |_| Swatch::Ring),
             Kind::Band => Swatch::Area,
+            // A key has no room for the gaps of many.
+            _ if rank.nth > 0 => Swatch::Line(Some(format!("{DASH} {DASH}"))),
             _ => Swatch::Line(self.dash(rank)),
         }
     }
@@ -127,8 +129,8 @@ impl Series {
             points.map(|(k, p)| place(&(p.0, p.1 + sign * bar(k)), x, y)).collect::<Vec<_>>()
         };
         match self.kind {
-            Kind::Band => [1.0, -1.0].into_iter().for_each(|sign| columns.trace(&edge(sign), true)),
-            Kind::Line | Kind::Dashed => columns.trace(&edge(0.0), true),
+            Kind::Band => [1.0, -1.0].into_iter().for_each(|sign| columns.trace(&edge(sign))),
+            Kind::Line | Kind::Dashed => columns.trace(&edge(0.0)),
             Kind::Points | Kind::Rings => {
                 for (k, p) in self.known() {
                     let ends = (y.at(p.1 + bar(k)) - RADIUS.0, y.at(p.1 - bar(k)) + RADIUS.0);
@@ -230,7 +232,7 @@ pub(super) fn ranks(series: &[Series], x: &Scale, y: &Scale) -> Vec<Rank> {
         .map(|s| {
             let mut columns = Columns::over(x);
             let line: Vec<_> = s.points.iter().map(|p| place(p, x, y)).collect();
-            columns.trace(if s.is_line() { &line } else { &[] }, false);
+            columns.trace(if s.is_line() { &line } else { &[] });
             columns
         })
         .collect();

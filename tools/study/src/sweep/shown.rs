@@ -62,7 +62,7 @@ mod tests {
                 "20 degC, 30 degC, 40 degC",
                 ["°C", "°C"],
             ),
-            ("ambient_temperature=68:104 degF:2", "winding_margin", "68 degF, 104 degF", ["degF", "K"]),
+            ("ambient_temperature=68:104 degF:2", "winding_margin", "68 degF, 104 degF", ["°F", "K"]),
             ("ambient_temperature=300,310", "winding_temperature", "300 K, 310 K", ["K", "°C"]),
             ("ambient_temperature=20 degC,300 K", "winding_temperature", "293.1 K, 300 K", ["K", "°C"]),
             (

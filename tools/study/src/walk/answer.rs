@@ -161,16 +161,16 @@ impl Walked {
     /// The figure: the winding over the walk, with its limit.
     pub fn figure(&self, title: &str) -> Figure {
         let points = self.envelope.points.iter();
-        let points: Vec<_> = points.map(|p| (p.time / 60.0, p.winding_temperature - ZERO_CELSIUS)).collect();
+        let points: Vec<_> = points.map(|p| (p.time, p.winding_temperature - ZERO_CELSIUS)).collect();
         let (limit, end) = (self.limit - ZERO_CELSIUS, points.last().map_or(0.0, |p| p.0));
         // The first point belongs to the end of the first stride.
-        let time = Axis::new("time in min").from_to(0.0, end.max(f64::MIN_POSITIVE));
+        let time = Axis::time().from_to(0.0, end.max(f64::MIN_POSITIVE));
         let figure = Figure::new(title, time, Axis::new("peak winding temperature in °C"))
             .line("winding, peak of each stride", points)
             .limit(limit, &format!("limit {} °C", present::number(limit)));
         match self.envelope.time_to_limit {
             Some(_) => figure.remark("The curve ends where the winding reaches its limit."),
-            None if end * 60.0 < (1.0 - NEARLY) * self.hours * 3600.0 => {
+            None if end < (1.0 - NEARLY) * self.hours * 3600.0 => {
                 figure.remark("The curve ends at the periodic steady state, in which all strides are alike.")
             }
             None => figure,
