@@ -197,7 +197,7 @@ def test_a_value_outside_its_limits_is_named(browser):
 
 
 def test_models_that_do_not_start_are_reported(browser, tmp_path):
-    """As in a browser that has no WebAssembly: the page says so and does not wait for ever."""
+    """As in a browser that has no WebAssembly: the page says so and does not go on waiting."""
     before, after = PAGE.read_text(encoding="utf-8").split('<script id="models" type="text/plain">')
     file = tmp_path / "page.html"
     file.write_text(before + '<script id="models" type="text/plain">AGFzbQ==' + after[after.index("</script>") :], encoding="utf-8")

@@ -17,7 +17,7 @@ use physics::declare::Unit;
 
 /// Units of the quantities that are multiplied by a time derivative. Definition: of heat capacity, inductance, inertia.
 const STORES: [Unit; 3] = [Unit::JoulePerKelvin, Unit::Henry, Unit::KilogramSquareMetre];
-/// Interval of a time that may be a number of the row, s. Definition.
+/// Interval of a time that may be a number of the row, s. Definition: rows are numbered by ones.
 const ROW: f64 = 1.0;
 
 /// Sentences on all parameters at a limit or far from their priors.

@@ -1,6 +1,6 @@
 // Runs the models beside the page, so that the page answers while they compute.
 let models;
-// A promise that fails raises no error of the worker, and the page would wait for ever: it is thrown again outside of the promise.
+// A promise that fails raises no error of the worker, and the page would go on waiting: it is thrown again outside of the promise.
 onmessage = ({ data }) => answer(data).catch((error) => setTimeout(() => { throw error; }));
 
 async function answer(data) {

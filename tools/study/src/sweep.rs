@@ -352,18 +352,6 @@ mod tests {
         assert!(figure.contains("fan command") && !figure.contains("fan_command"));
     }
 
-    /// What a motor takes is minimized and what it gives is maximized, unless the objective states its direction.
-    #[test]
-    fn an_objective_has_a_direction() {
-        let water = [("cooling_mode", "water_jacket"), ("coolant_flow_rate", "1e-5")];
-        for (objective, least) in [("pump_power", true), ("pump_power:max", false), ("shaft_speed", false)] {
-            let found = run(&constant(&water), objective, &vary(&["coolant_flow_rate=1e-5:3e-5:2"])).unwrap();
-            assert_eq!((found.objectives[0].least_is_best, found.objective.contains(':')), (least, false));
-        }
-        let error = run(&constant(&water), "pump_power:least", &vary(&["voltage=1:2:2"])).unwrap_err();
-        assert!(error.to_string().contains("pump_power:least"), "{error}");
-    }
-
     #[test]
     fn an_infeasible_point_has_its_reason_and_the_sweep_goes_on() {
         let fixed = constant(&[("drive_mode", "current")]);

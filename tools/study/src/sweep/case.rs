@@ -332,3 +332,31 @@ impl Case for Walking {
         self.load.source().map(Some)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a motor takes is minimized and what it gives is maximized, unless the objective states its direction.
+    #[test]
+    fn an_objective_has_a_direction() {
+        let setup = Setup::new("AnnulusCooledMotor", None, &[("cooling_mode", "water_jacket")]);
+        let of = |text: &str| Target::objective(&ConstantInputs { setup: setup.clone() }, text);
+        for (text, least_is_best) in [
+            ("pump_power", true),
+            ("pump_power:max", false),
+            ("air_pressure_drop", true),
+            ("winding_margin", false),
+            ("power_mechanical", false),
+            ("power_mechanical:min", true),
+        ] {
+            let target = of(text).unwrap();
+            assert_eq!(
+                (target.least_is_best, text.starts_with(&target.name)),
+                (least_is_best, true),
+                "{text}"
+            );
+        }
+        assert!(of("pump_power:least").unwrap_err().to_string().contains("it is no output"));
+    }
+}
