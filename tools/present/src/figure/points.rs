@@ -13,8 +13,8 @@ const BESIDE: usize = 2;
 pub(super) const WINDOW: f64 = STEP * (2 * BESIDE + 1) as f64;
 /// Steps on both sides of a step over which turns are counted: many, so that a line does not change its kind back and forth.
 const AROUND: usize = 12;
-/// Turns in a pixel of a line that fills an area.
-const CROWD: f64 = 0.8;
+/// Strokes that cover this part of an area fill it for the eye.
+const INK: f64 = 0.8;
 /// A swing of this many pixels is a turn.
 const SWING: f64 = 2.0;
 /// Steps that a band has at least.
@@ -28,10 +28,11 @@ pub(super) struct Drawn {
     pub bands: Vec<Vec<(f64, f64, f64)>>,
 }
 
-/// A line as it is drawn. Where it turns at each pixel or more often, it would fill an area and hide what lies below; there, its mean is drawn
+/// A line as it is drawn. Where its strokes lie side by side, it would fill an area and hide what lies below; there, its mean is drawn
 /// over the band from its least to its greatest value.
-pub(super) fn drawn(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Drawn {
-    let is_crowded = crowded(points, x, y);
+/// `weight` is the width of the line in pixels.
+pub(super) fn drawn(points: &[(f64, f64)], x: &Scale, y: &Scale, weight: f64) -> Drawn {
+    let is_crowded = crowded(points, x, y, INK / weight);
     if !is_crowded.contains(&true) {
         return Drawn { line: thinned(points), bands: Vec::new() };
     }
@@ -66,8 +67,8 @@ fn step(p: &(f64, f64), x: &Scale, y: &Scale, steps: usize) -> Option<usize> {
     is_inside.then(|| (((x.at(p.0) - x.pixels.0) / STEP).max(0.0) as usize).min(steps - 1))
 }
 
-/// For each step of a panel whether a line turns in and around it at each pixel.
-fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Vec<bool> {
+/// For each step of a panel whether a line turns in and around it more often in a pixel than `most`.
+fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale, most: f64) -> Vec<bool> {
     let steps = ((x.pixels.1 - x.pixels.0) / STEP).ceil().max(1.0) as usize;
     // Few points cannot crowd, and only over a growing x do neighbours belong together.
     if points.len() < LEAST_STEPS * STEP as usize || !points.is_sorted_by(|a, b| a.0 <= b.0) {
@@ -89,7 +90,7 @@ fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Vec<bool> {
     }
     let around = |k: usize| k.saturating_sub(AROUND)..(k + AROUND + 1).min(steps);
     let mut crowded: Vec<bool> = (0..steps)
-        .map(|k| turns[around(k)].iter().sum::<f64>() >= CROWD * STEP * around(k).len() as f64)
+        .map(|k| turns[around(k)].iter().sum::<f64>() >= most * STEP * around(k).len() as f64)
         .collect();
     for run in crowded.chunk_by_mut(|a, b| a == b) {
         if run.len() < LEAST_STEPS {
