@@ -221,10 +221,10 @@ impl Figure {
         };
         let mut remark = self.remark.clone();
         if has_bands {
-            let step =
-                points::STEP / (sheet.x.pixels.1 - sheet.x.pixels.0) * (sheet.x.span.1 - sheet.x.span.0);
-            let step = self.x.amount(&sheet.x, step);
-            remark = format!("Band: least to greatest value in {step}, line: mean.\n{remark}");
+            let pixels = sheet.x.pixels.1 - sheet.x.pixels.0;
+            let window = points::WINDOW / pixels * (sheet.x.span.1 - sheet.x.span.0);
+            let window = self.x.amount(&sheet.x, window);
+            remark = format!("Band: least to greatest value in {window}, line: mean.\n{remark}");
         }
         let lines: Vec<String> = remark.lines().flat_map(|line| wrap(line, WIDTH - 2.0 * PAD)).collect();
         let remark = html! {

@@ -123,7 +123,7 @@ pub fn labelled_table(id: &str, headers: &[&str], rows: Vec<(&str, Vec<Cell>)>) 
     let cards = (headers.len() > COLUMNS_OF_A_NARROW_WINDOW).then_some("cards");
     html! {
         div.wide tabindex="0" { table id=[id] class=[cards] {
-            thead { tr { @for (k, header) in headers.iter().enumerate() { th class=[is_number(k).then_some("n")] { (header) } } } }
+            thead { tr { @for (k, header) in headers.iter().enumerate() { th class=[is_number(k).then_some("n")] { (typeset(header)) } } } }
             tbody { @for (word, cells) in &rows {
                 tr data-filter=[(!word.is_empty()).then_some(word)] {
                     @for (cell, header) in cells.iter().zip(headers) {

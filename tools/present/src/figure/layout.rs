@@ -120,7 +120,7 @@ fn style() -> String {
     format!(
         "@media screen{{.f{{max-width:100%;height:auto}}}}.f text{{font:13px system-ui,'Segoe UI',Helvetica,Arial,sans-serif}}\
          .f .t{{font-weight:600;font-size:14px}}.f .e{{text-anchor:end}}.f .m{{text-anchor:middle}}\
-         .f .a,.f .z,.f .n,.f .k,.f .l{{fill:none}}.f .l{{stroke-width:2;stroke-linejoin:round}}.f .l.h{{stroke-width:1}}\
+         .f .a,.f .z,.f .n,.f .k,.f .l{{fill:none}}.f .l{{stroke-width:2;stroke-linejoin:round}}.f .l.h{{stroke-width:1}}.f .l.u{{stroke-width:5;stroke-opacity:.45}}.f .l.h.u{{stroke-width:3.5}}\
          .f .k{{stroke-width:1.5}}.f .p{{stroke-width:1}}.f .n{{stroke-dasharray:3 4}}.f .z{{stroke-dasharray:6 4;stroke-width:1.5}}\
          .f .w{{fill-opacity:.22;stroke:none}}.f .q{{fill-opacity:.25;stroke-opacity:.5;stroke-width:.6}}.f .o{{stroke-width:4;stroke-linejoin:round}}\
          {}@media (prefers-color-scheme:dark){{{}}}",
@@ -149,6 +149,7 @@ pub(super) fn frame(title: &str, content: Markup, height: f64) -> String {
 /// The symbol before a name in a legend.
 pub(super) enum Swatch {
     Line(Option<String>),
+    WideLine(Option<String>),
     Point,
     Ring,
     Area,
@@ -165,8 +166,12 @@ pub(super) fn legend(entries: Vec<(&str, usize, Swatch)>) -> (Markup, f64) {
             @let wide = SWATCH + lines.iter().map(|l| width(l)).fold(0.0, f64::max);
             @let _ = if x + wide > WIDTH - PAD && x > PAD { (x, y) = (PAD, y + tall); tall = 0.0; };
             @let middle = y + 0.5 * LINE;
+            @let line = |class: &str, dash: &Option<String>| html! {
+                path class={ (class) (colour) } stroke-dasharray=[dash.as_deref()] d=(format_args!("M{x:.1} {middle:.1}h18")) {}
+            };
             @match swatch {
-                Swatch::Line(dash) => { path class={ "l k" (colour) } stroke-dasharray=[dash.as_deref()] d=(format_args!("M{x:.1} {middle:.1}h18")) {} },
+                Swatch::Line(dash) => { (line("l k", dash)) },
+                Swatch::WideLine(dash) => { (line("l u k", dash)) },
                 Swatch::Point => { circle class={ "p d" (colour) } cx=(format_args!("{:.1}", x + 9.0)) cy=(middle) r="4" {} },
                 Swatch::Ring => { circle class={ "k k" (colour) } cx=(format_args!("{:.1}", x + 9.0)) cy=(middle) r="4" {} },
                 Swatch::Limit => { path.z d=(format_args!("M{x:.1} {middle:.1}h18")) {} },

@@ -42,7 +42,7 @@ impl Panel {
     pub fn draw(&self, sheet: &Sheet, y: &Scale, marks: &Ticks, (first, lowest): (bool, bool)) -> Sketch {
         let (x, height) = (&sheet.x, sheet.height);
         let (left, right) = x.pixels;
-        let parts: Vec<Drawn> = self.series.iter().map(|s| as_drawn(s, x, y)).collect();
+        let parts: Vec<Drawn> = self.series.iter().map(|s| as_drawn(s, x, y, sheet.thin)).collect();
         let ranks = ranks(&self.series, &parts, x, y);
         let labels = self.labels_of_limits(sheet, y);
         let (legend, above) = self.legend(&ranks, &labels);
@@ -130,8 +130,9 @@ impl Panel {
 }
 
 /// What is drawn of a series; points and bands of half-widths are drawn as they are.
-fn as_drawn(series: &Series, x: &Scale, y: &Scale) -> Drawn {
-    if series.is_line() { drawn(&series.points, x, y) } else { Drawn::default() }
+fn as_drawn(series: &Series, x: &Scale, y: &Scale, thin: bool) -> Drawn {
+    let weight = if thin { 1.0 } else { 2.0 };
+    if series.is_line() { drawn(&series.points, x, y, weight) } else { Drawn::default() }
 }
 
 /// Names of ticks or categories, and the label of the x axis.

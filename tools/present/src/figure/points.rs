@@ -5,14 +5,20 @@ use super::scale::Scale;
 /// Points a drawn line may have, about.
 const MAX_POINTS: usize = 2000;
 
-/// Width in pixels of a step of a band.
-pub(super) const STEP: f64 = 3.0;
-/// Steps on both sides of a step over which turns are counted.
-const AROUND: usize = 2;
+/// Width in pixels of a step of a band, and the steps on both sides of it whose values it holds: a band from step to step alone would show
+/// where the turns of a line meet the steps.
+const STEP: f64 = 2.0;
+const BESIDE: usize = 2;
+/// Width in pixels of what a place of a band holds.
+pub(super) const WINDOW: f64 = STEP * (2 * BESIDE + 1) as f64;
+/// Steps on both sides of a step over which turns are counted: many, so that a line does not change its kind back and forth.
+const AROUND: usize = 12;
+/// Strokes that cover this part of an area fill it for the eye.
+const INK: f64 = 0.8;
 /// A swing of this many pixels is a turn.
 const SWING: f64 = 2.0;
 /// Steps that a band has at least.
-const LEAST_STEPS: usize = 8;
+const LEAST_STEPS: usize = 12;
 
 /// What is drawn of a line: itself, and in its place a mean with a band where it turns at every pixel.
 #[derive(Default)]
@@ -22,10 +28,11 @@ pub(super) struct Drawn {
     pub bands: Vec<Vec<(f64, f64, f64)>>,
 }
 
-/// A line as it is drawn. Where it turns at each pixel or more often, it would fill an area and hide what lies below; there, its mean is drawn
+/// A line as it is drawn. Where its strokes lie side by side, it would fill an area and hide what lies below; there, its mean is drawn
 /// over the band from its least to its greatest value.
-pub(super) fn drawn(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Drawn {
-    let is_crowded = crowded(points, x, y);
+/// `weight` is the width of the line in pixels.
+pub(super) fn drawn(points: &[(f64, f64)], x: &Scale, y: &Scale, weight: f64) -> Drawn {
+    let is_crowded = crowded(points, x, y, INK / weight);
     if !is_crowded.contains(&true) {
         return Drawn { line: thinned(points), bands: Vec::new() };
     }
@@ -39,15 +46,15 @@ pub(super) fn drawn(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Drawn {
             drawn.line.extend(thinned(run));
             continue;
         }
+        let parts: Vec<Part> = run.chunk_by(|a, b| step_of(a) == step_of(b)).map(Part::of).collect();
         let mut band = Vec::new();
-        for part in run.chunk_by(|a, b| step_of(a) == step_of(b)) {
-            let (low, high) = part.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.1), h.max(p.1)));
-            let (from, to) = (part[0].0, part[part.len() - 1].0);
-            let mean = mean(part);
-            // A part reaches to both its ends, so that a band is as long as its line.
-            let ends = [from, to];
-            band.extend(ends.map(|at| (at, low, high)));
-            drawn.line.push((0.5 * (from + to), mean));
+        for (k, part) in parts.iter().enumerate() {
+            let beside = &parts[k.saturating_sub(BESIDE)..(k + BESIDE + 1).min(parts.len())];
+            let (low, high) =
+                beside.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.low), h.max(p.high)));
+            // A step reaches to both its ends, so that a band is as long as its line.
+            band.extend([part.from, part.to].map(|at| (at, low, high)));
+            drawn.line.push((0.5 * (part.from + part.to), Part::mean(beside)));
         }
         drawn.bands.push(band);
     }
@@ -60,8 +67,8 @@ fn step(p: &(f64, f64), x: &Scale, y: &Scale, steps: usize) -> Option<usize> {
     is_inside.then(|| (((x.at(p.0) - x.pixels.0) / STEP).max(0.0) as usize).min(steps - 1))
 }
 
-/// For each step of a panel whether a line turns in and around it at each pixel.
-fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Vec<bool> {
+/// For each step of a panel whether a line turns in and around it more often in a pixel than `most`.
+fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale, most: f64) -> Vec<bool> {
     let steps = ((x.pixels.1 - x.pixels.0) / STEP).ceil().max(1.0) as usize;
     // Few points cannot crowd, and only over a growing x do neighbours belong together.
     if points.len() < LEAST_STEPS * STEP as usize || !points.is_sorted_by(|a, b| a.0 <= b.0) {
@@ -82,8 +89,9 @@ fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Vec<bool> {
         }
     }
     let around = |k: usize| k.saturating_sub(AROUND)..(k + AROUND + 1).min(steps);
-    let mut crowded: Vec<bool> =
-        (0..steps).map(|k| turns[around(k)].iter().sum::<f64>() >= STEP * around(k).len() as f64).collect();
+    let mut crowded: Vec<bool> = (0..steps)
+        .map(|k| turns[around(k)].iter().sum::<f64>() >= most * STEP * around(k).len() as f64)
+        .collect();
     for run in crowded.chunk_by_mut(|a, b| a == b) {
         if run.len() < LEAST_STEPS {
             run.fill(false);
@@ -92,13 +100,33 @@ fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale) -> Vec<bool> {
     crowded
 }
 
-/// The mean of a piece of a line over its x.
-fn mean(part: &[(f64, f64)]) -> f64 {
-    let wide = part[part.len() - 1].0 - part[0].0;
-    if wide <= 0.0 {
-        return part.iter().map(|p| p.1).sum::<f64>() / part.len() as f64;
+/// The piece of a line in a step.
+struct Part {
+    from: f64,
+    to: f64,
+    low: f64,
+    high: f64,
+    /// The integral of the line over its x, and the mean of its values.
+    integral: f64,
+    plain: f64,
+}
+
+impl Part {
+    fn of(points: &[(f64, f64)]) -> Part {
+        let (low, high) = points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.1), h.max(p.1)));
+        let integral = points.windows(2).map(|p| 0.5 * (p[0].1 + p[1].1) * (p[1].0 - p[0].0)).sum();
+        let plain = points.iter().map(|p| p.1).sum::<f64>() / points.len() as f64;
+        Part { from: points[0].0, to: points[points.len() - 1].0, low, high, integral, plain }
     }
-    part.windows(2).map(|p| 0.5 * (p[0].1 + p[1].1) * (p[1].0 - p[0].0)).sum::<f64>() / wide
+
+    /// The mean over several, by time where they have a length.
+    fn mean(parts: &[Part]) -> f64 {
+        let wide: f64 = parts.iter().map(|p| p.to - p.from).sum();
+        match wide > 0.0 {
+            true => parts.iter().map(|p| p.integral).sum::<f64>() / wide,
+            false => parts.iter().map(|p| p.plain).sum::<f64>() / parts.len() as f64,
+        }
+    }
 }
 
 /// At most about 2000 of the points: of each bunch of neighbours the lowest and the highest, in the order given; first and last always.

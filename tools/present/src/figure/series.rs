@@ -101,6 +101,11 @@ impl Series {
         Some(dashes.to_owned())
     }
 
+    /// Whether a line lies below others that share its way, and is wide and pale.
+    fn is_wide(&self, rank: Rank) -> bool {
+        self.is_line() && rank.nth == 0 && rank.of > 1
+    }
+
     /// Whether points are drawn as rings, and how large.
     fn ring(&self, rank: Rank) -> Option<f64> {
         match self.kind {
@@ -117,6 +122,7 @@ impl Series {
             Kind::Band => Swatch::Area,
             // A key has no room for the gaps of many.
             _ if rank.nth > 0 => Swatch::Line(Some(format!("{DASH} {DASH}"))),
+            _ if self.is_wide(rank) => Swatch::WideLine(self.dash(rank)),
             _ => Swatch::Line(self.dash(rank)),
         }
     }
@@ -207,7 +213,12 @@ impl Series {
             }
             marks.extend_from_slice(if is_marked || pieces.len() == 1 { pieces } else { &[] });
         }
-        let weight = if thin { "l h" } else { "l" };
+        let weight = match (thin, self.is_wide(rank)) {
+            (false, false) => "l",
+            (false, true) => "l u",
+            (true, false) => "l h",
+            (true, true) => "l h u",
+        };
         // The only value of a line is as large as a point.
         let radius = if self.known().count() == 1 { RADIUS.0 } else { RADIUS.1 };
         let offset = (rank.nth > 0).then(|| format!("-{}", DASH * rank.nth));

@@ -151,7 +151,7 @@ fn equal_lines_are_seen() {
 fn dashes_are_over_lines() {
     let line = vec![(0.0, 1.0), (1.0, 2.0)];
     let svg = parsed(&figure().dashed("limit", line.clone()).line("value", line));
-    assert!(svg.rfind("stroke-dasharray=\"6 6\"").unwrap() > svg.rfind("class=\"l k1\"").unwrap(), "{svg}");
+    assert!(svg.rfind("stroke-dasharray=\"6 6\"").unwrap() > svg.rfind("class=\"l u k1\"").unwrap(), "{svg}");
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn a_crowded_line_is_a_band_with_its_mean() {
         .line("smooth", times().map(|t| (t, 0.001 * t)).collect());
     let svg = parsed(&figure);
     assert_eq!((svg.matches("class=\"q d0 k0\"").count(), svg.matches("class=\"q d1").count()), (1, 0));
-    assert!(svg.contains("Band: least to greatest value in 0.2 min, line: mean."), "{svg}");
+    assert!(svg.contains("Band: least to greatest value in 0.66 min, line: mean."), "{svg}");
     // The mean is 2 before the step and 3 behind it: 3 and 2 above the bottom of a range from 0 to 4 with its margins.
     let mean = path(&svg, "l k0", 0);
     let ys: Vec<f64> = mean.split(['M', 'L']).filter_map(|p| p.split_once(' ')?.1.parse().ok()).collect();
