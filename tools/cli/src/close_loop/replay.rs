@@ -12,6 +12,7 @@ use calibrate::report::{ROLES, Replay, ReplayedChannel, role_name};
 use calibrate::simulate::Drive;
 use cosim::{Archive, Causality, Instance, Kind, Log, ModelDescription, Step, Value, Variable};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Tolerance of the FMU's error relative to the model's, as a fraction of the channel's range.
@@ -81,6 +82,14 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
             .fold(0.0, |a: f64, b| if b.is_nan() || a.is_nan() { f64::NAN } else { a.max(b) })
     };
     let greatest_difference = greatest(|c| c.difference);
+    // The part of a run behind a gap starts at other temperatures than the part before it.
+    let mut start_values: BTreeMap<String, Vec<(String, f64)>> = BTreeMap::new();
+    for (_, (run, setting)) in of_role() {
+        let own = starts(setting);
+        let is_other = start_values.get(&run.file).is_some_and(|known| *known != own);
+        let from = if is_other { format!(" from {} s", run.table.time[0]) } else { String::new() };
+        start_values.insert(format!("{}{from}", run.file), own);
+    }
     Ok(Replay {
         greatest_difference,
         greatest_difference_of_a_value: greatest(|c| c.difference_of_a_value),
@@ -88,9 +97,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         agrees: !channels.is_empty() && greatest_difference <= LIMIT,
         replayed,
         role: role_name(role),
-        start_values: of_role()
-            .map(|(_, (run, setting))| (run.file.clone(), starts(setting).into_iter().collect()))
-            .collect(),
+        start_values: start_values.into_iter().map(|(name, own)| (name, own.into_iter().collect())).collect(),
         channels,
     })
 }

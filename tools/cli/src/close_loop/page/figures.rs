@@ -206,7 +206,7 @@ pub fn contradiction(found: &Illustration) -> Plate {
         if let Some(values) = &channel.corrected {
             // Next to readings of another order of magnitude they would be a straight line.
             let ratio = height(values) / height(&channel.recorded);
-            if ratio < FLAT || ratio > 1.0 / FLAT {
+            if ratio.is_finite() && !(FLAT..=1.0 / FLAT).contains(&ratio) {
                 figure = figure.panel(Axis::new(&label));
             }
             figure = figure.colour(2).line("as corrected", points(values));

@@ -139,7 +139,7 @@ pub fn compared(part: &Part, data: Data, outcome: &Outcome) -> Plate {
         let shown = |values: &[f64]| values.iter().map(|x| x - channel.offset).collect::<Vec<_>>();
         let (low, high) = ends(values.iter().copied());
         let aside = part.set_aside(k);
-        if !(high > low || !aside.is_empty()) {
+        if high <= low && aside.is_empty() {
             continue;
         }
         changing = " Below: the inputs that change.";
