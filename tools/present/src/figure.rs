@@ -180,7 +180,7 @@ impl Figure {
         };
         let notes = self.notes.iter().map(|note| note.0);
         let values = series().flat_map(|s| s.points.iter().map(|p| p.0)).chain(notes);
-        let mut scale = Scale::over(&self.x, values, margin, (left, WIDTH - PAD));
+        let mut scale = self.x.scale(values, margin, (left, WIDTH - PAD));
         let (from, length) = (scale.span.0, scale.span.1 - scale.span.0);
         let jumps = |(panel, y): (&Panel, &Scale)| {
             panel.series.iter().any(|s| s.is_line() && jumps(s, from + MARGINS.2 * length, y))
@@ -199,7 +199,7 @@ impl Figure {
             .map(|panel| {
                 let limits = panel.limits.iter().map(|l| l.0);
                 let values = panel.series.iter().flat_map(Series::extent).chain(limits);
-                Scale::over(&panel.y, values, 0.06, (height, 0.0))
+                panel.y.scale(values, 0.06, (height, 0.0))
             })
             .collect();
         let count = if many { 4 } else { 6 };

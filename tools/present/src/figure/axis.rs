@@ -48,6 +48,22 @@ impl Axis {
         self.range
     }
 
+    /// Its scale: over its range, or over all numbers with a margin; never empty.
+    pub(super) fn scale(&self, values: impl Iterator<Item = f64>, margin: f64, pixels: (f64, f64)) -> Scale {
+        // Beyond these sizes a span has no inverse; below, a number is rounding about zero.
+        let numbers = values.filter(|v| v.abs() < 1e150).map(|v| if v.abs() < 1e-60 { 0.0 } else { v });
+        let (low, high) = numbers.fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
+        let span = match (self.range, low.abs().max(high.abs())) {
+            (Some(range), _) => range,
+            _ if low > high => (0.0, 1.0),
+            (None, 0.0) => (-1.0, 1.0),
+            // Values that differ by rounding alone are constant.
+            (None, size) if high - low < 1e-9 * size => (low - 0.05 * size, high + 0.05 * size),
+            _ => (low - margin * (high - low), high + margin * (high - low)),
+        };
+        Scale { span, pixels, unit: self.unit_over(span) }
+    }
+
     /// The unit of the ticks over a span, in that of the data.
     pub(super) fn unit_over(&self, span: (f64, f64)) -> f64 {
         TIMES.iter().find(|(most, ..)| span.1 - span.0 <= *most).filter(|_| self.is_time).map_or(1.0, |t| t.1)
@@ -127,7 +143,7 @@ mod tests {
             ((-90.0, 90.0), "time in s", vec!["\u{2212}50", "0", "50"]),
         ] {
             let axis = Axis::time();
-            let scale = Scale::over(&axis, [from, to].into_iter(), 0.0, (0.0, 100.0));
+            let scale = axis.scale([from, to].into_iter(), 0.0, (0.0, 100.0));
             let found = scale.ticks(4);
             assert_eq!(
                 (axis.title(&scale, &found).as_str(), &found.labels),
@@ -143,7 +159,7 @@ mod tests {
     #[test]
     fn only_times_change_their_unit() {
         let axis = Axis::new("speed in rad/s");
-        let scale = Scale::over(&axis, [0.0, 40_000.0].into_iter(), 0.0, (0.0, 100.0));
+        let scale = axis.scale([0.0, 40_000.0].into_iter(), 0.0, (0.0, 100.0));
         assert_eq!((scale.unit, axis.title(&scale, &scale.ticks(4)).as_str()), (1.0, "speed in rad/s"));
     }
 
@@ -172,7 +188,7 @@ mod tests {
             ),
         ] {
             let axis = Axis::new(label);
-            let scale = Scale::over(&axis, [from, to].into_iter(), 0.0, (100.0, 0.0));
+            let scale = axis.scale([from, to].into_iter(), 0.0, (100.0, 0.0));
             assert_eq!(axis.title(&scale, &scale.ticks(6)), expected);
         }
     }
@@ -180,7 +196,7 @@ mod tests {
     #[test]
     fn names_stand_at_their_numbers() {
         let axis = Axis::new("switch").names(&["false", "true"]);
-        let scale = Scale::over(&axis, [0.0].into_iter(), 0.06, (120.0, 0.0));
+        let scale = axis.scale([0.0].into_iter(), 0.06, (120.0, 0.0));
         let ticks = axis.ticks_upwards(&scale, 4);
         assert_eq!(ticks.marks(), [(0.0, "false".to_owned()), (1.0, "true".to_owned())]);
         assert_eq!(
@@ -192,7 +208,7 @@ mod tests {
     #[test]
     fn lengths_have_two_digits_and_the_unit_of_the_axis() {
         let amount = |axis: &Axis, to: f64, length: f64| {
-            axis.amount(&Scale::over(axis, [0.0, to].into_iter(), 0.0, (0.0, 400.0)), length)
+            axis.amount(&axis.scale([0.0, to].into_iter(), 0.0, (0.0, 400.0)), length)
         };
         assert_eq!(amount(&Axis::time(), 500.0, 3.1234), "3.1 s");
         assert_eq!(amount(&Axis::time(), 36_000.0, 270.0), "0.075 h");

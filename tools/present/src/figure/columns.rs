@@ -118,7 +118,7 @@ mod tests {
 
     /// Waves with many turns in a column are the same only if they reach as far.
     #[test]
-    fn crowded_lines_are_told_apart() {
+    fn crowded_lines_are_distinguished() {
         let wave = |size: f64, frequency: f64| {
             let line = (0..=100_000).map(|k| 10.0 + f64::from(k) * 0.001);
             columns(&line.map(|px| (px, size * (frequency * px).sin())).collect::<Vec<_>>())

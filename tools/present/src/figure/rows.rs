@@ -58,7 +58,7 @@ impl Rows {
         });
         let remark = self.marks().map(|(_, mark)| if let Mark::Bar(_, r) = mark { width(r) } else { 0.0 });
         let right = WIDTH - PAD - remark.fold(0.0, f64::max) - 6.0;
-        let mut scale = Scale::over(&self.axis, ends.chain([0.0]), 0.04, (PAD, right));
+        let mut scale = self.axis.scale(ends.chain([0.0]), 0.04, (PAD, right));
         if self.marks().all(|(_, m)| matches!(m, Mark::Bar(to, _) if to.is_nan() || *to >= 0.0)) {
             scale.span.0 = 0.0;
         }

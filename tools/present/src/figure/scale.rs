@@ -1,6 +1,5 @@
 //! From values to pixels, and the round values on an axis.
 
-use super::Axis;
 use super::layout::width;
 
 /// From values to pixels.
@@ -13,22 +12,6 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// Over the range of an axis, or over all numbers with a margin; never empty.
-    pub fn over(axis: &Axis, values: impl Iterator<Item = f64>, margin: f64, pixels: (f64, f64)) -> Scale {
-        // Beyond these sizes a span has no inverse; below, a number is rounding about zero.
-        let numbers = values.filter(|v| v.abs() < 1e150).map(|v| if v.abs() < 1e-60 { 0.0 } else { v });
-        let (low, high) = numbers.fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
-        let span = match (axis.range(), low.abs().max(high.abs())) {
-            (Some(range), _) => range,
-            _ if low > high => (0.0, 1.0),
-            (None, 0.0) => (-1.0, 1.0),
-            // Values that differ by rounding alone are constant.
-            (None, size) if high - low < 1e-9 * size => (low - 0.05 * size, high + 0.05 * size),
-            _ => (low - margin * (high - low), high + margin * (high - low)),
-        };
-        Scale { span, pixels, unit: axis.unit_over(span) }
-    }
-
     pub fn at(&self, value: f64) -> f64 {
         self.pixels.0 + (value - self.span.0) / (self.span.1 - self.span.0) * (self.pixels.1 - self.pixels.0)
     }

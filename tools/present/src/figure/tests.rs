@@ -267,7 +267,7 @@ fn the_axis_holds_bands_bars_and_limits() {
     ] {
         let values = figure.panels[0].series.iter().flat_map(Series::extent);
         let values = values.chain(figure.limits());
-        let scale = Scale::over(&figure.panels[0].y, values, 0.0, (1.0, 0.0));
+        let scale = figure.panels[0].y.scale(values, 0.0, (1.0, 0.0));
         assert_eq!(scale.span, (0.5, 1.5));
     }
 }
