@@ -244,7 +244,7 @@ def page(answer: dict) -> str:
         "## Run with fan",
         fill(f"""In run 4 a fan was on. The first 60 % of run 4 are fitted together with runs 1 and 3; the table shows the errors of the last 40 %.
         Before: the model calibrated in still air. Refit: its parameters fitted again, no effect added. After: the model with the effects
-        that `motor-fmu close-loop` identified. Verdict: {fan["verdict"]}."""),
+        that `motor-fmu close-loop` identified. Verdict: {fan["verdict"]} ([meaning](close-the-loop.md#verdicts))."""),
         table(fan["test_K"]),
         *map(effect_words, fan["effects"]),
         fill(f"""The goal is an error of at most {100 * GOAL_SHARE:.0f} % of the error before and at most {GOAL_K:.0f} K in both channels. It is
