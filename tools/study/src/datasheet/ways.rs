@@ -192,10 +192,10 @@ pub(super) const ESTIMATES: &[Derived] = &[
         &["mass", "thermal.C_w"],
         |v| OF_LIBRARY.2 * v[0] - v[1],
     ),
-    derived("thermal.C_r", "C_h / 4, the ratio of the declared motor", &["thermal.C_h"], |v| v[0] / 4.0),
+    derived("thermal.C_r", "C_h / 4, the ratio of the default motor", &["thermal.C_h"], |v| v[0] / 4.0),
     derived(
         "annulus.outer_diameter",
-        "diameter + 10 mm, the gap of the declared annulus",
+        "diameter + 10 mm, the gap of the default annulus",
         &["housing.diameter"],
         |v| v[0] + 0.01,
     ),

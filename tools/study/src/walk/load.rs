@@ -162,7 +162,11 @@ impl Load {
         let text = factor.to_string();
         let set = |load: &mut Load| load.set_text(if load.cycle.is_some() { SCALE } else { SUPPORT }, &text);
         match &mut self.mix {
-            Some(mix) => mix.phases.iter_mut().filter_map(|p| p.load.as_deref_mut()).try_for_each(set),
+            // A rest has no load; its own would not know the factor if the phases have theirs from other files.
+            Some(mix) => {
+                let loads = mix.phases.iter_mut().filter(|p| !p.rest).filter_map(|p| p.load.as_deref_mut());
+                loads.into_iter().try_for_each(set)
+            }
             None => set(self),
         }
     }

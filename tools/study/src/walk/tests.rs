@@ -130,6 +130,11 @@ fn a_mix_has_the_mean_heat() {
     let (with, without) =
         (continuous_support(&mix("1 min"), &|_| ()).unwrap(), continuous_support(&full, &|_| ()).unwrap());
     assert!(with.support > 1.2 * without.support, "{with:?} {without:?}");
+    // The same with the cycle in a file of its own.
+    std::fs::write(folder.path().join("own.toml"), SINE).unwrap();
+    let text = "[mix]\nperiod = 60\nphase = [{ fraction = 0.6, load = \"own.toml\" }, { fraction = 0.4, rest = true }]\n";
+    let named = continuous_support(&load(folder.path(), text, SETS).unwrap(), &|_| ()).unwrap();
+    assert!(named.support > 2.0 && (named.support / with.support - 1.0).abs() < 1e-3, "{named:?} {with:?}");
 }
 
 /// A mix of gaits: the values of the phases reach them, the others reach all.

@@ -35,12 +35,12 @@ pub fn found(experiment: &Experiment, preset: &[(u32, f64)], deadline: &Deadline
         Some(Unusable {
             channel: name.to_string(),
             reason: format!(
-                "{name} in {file} folds over: readings beyond the end of the range of its numbers are off by {} {unit}, and agree with the \
+                "{name} in {file} wraps around: readings beyond the end of the range of its numbers are off by {} {unit}, and agree with the \
                  model if that is added or subtracted",
                 converted(span)
             ),
             suggestion: format!(
-                "record {name} with a wider integer type or a counter that counts its overflows, or unfold the readings by this span"
+                "record {name} with a wider integer type or a counter that counts its overflows, or unwrap the readings by this span"
             ),
         })
     })
