@@ -11,12 +11,12 @@ const STEP: f64 = 2.0;
 const BESIDE: usize = 2;
 /// Width in pixels of what a place of a band holds.
 pub(super) const WINDOW: f64 = STEP * (2 * BESIDE + 1) as f64;
-/// Steps on both sides of a step over which turns are counted: many, so that a line does not change its kind back and forth.
+/// Steps on both sides of a step over which the way of a line is summed: many, so that a line does not change its kind back and forth.
 const AROUND: usize = 12;
 /// Strokes that cover this part of an area fill it for the eye.
 const INK: f64 = 0.8;
-/// A swing of this many pixels is a turn.
-const SWING: f64 = 2.0;
+/// Height in pixels of what is no area but a line.
+const LEAST_HEIGHT: f64 = 6.0;
 /// Steps that a band has at least.
 const LEAST_STEPS: usize = 12;
 
@@ -32,7 +32,7 @@ pub(super) struct Drawn {
 /// over the band from its least to its greatest value.
 /// `weight` is the width of the line in pixels.
 pub(super) fn drawn(points: &[(f64, f64)], x: &Scale, y: &Scale, weight: f64) -> Drawn {
-    let is_crowded = crowded(points, x, y, INK / weight);
+    let is_crowded = crowded(points, x, y, weight);
     if !is_crowded.contains(&true) {
         return Drawn { line: thinned(points), bands: Vec::new() };
     }
@@ -67,31 +67,33 @@ fn step(p: &(f64, f64), x: &Scale, y: &Scale, steps: usize) -> Option<usize> {
     is_inside.then(|| (((x.at(p.0) - x.pixels.0) / STEP).max(0.0) as usize).min(steps - 1))
 }
 
-/// For each step of a panel whether a line turns in and around it more often in a pixel than `most`.
-fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale, most: f64) -> Vec<bool> {
+/// For each step of a panel whether a line of this weight covers the area in and around it in which it goes up and down.
+fn crowded(points: &[(f64, f64)], x: &Scale, y: &Scale, weight: f64) -> Vec<bool> {
     let steps = ((x.pixels.1 - x.pixels.0) / STEP).ceil().max(1.0) as usize;
     // Few points cannot crowd, and only over a growing x do neighbours belong together.
     if points.len() < LEAST_STEPS * STEP as usize || !points.is_sorted_by(|a, b| a.0 <= b.0) {
         return vec![false; steps];
     }
-    let mut turns = vec![0.0; steps];
-    // The last extreme, and whether the line went up to it.
-    let (mut extreme, mut went_up) = (f64::NAN, true);
+    // The way up and down, and the lowest and highest pixel in each step.
+    let (mut way, mut ends) = (vec![0.0; steps], vec![(f64::MAX, f64::MIN); steps]);
+    let mut before: Option<f64> = None;
     for p in points {
-        let Some(step) = step(p, x, y, steps) else { continue };
-        let py = y.at(p.1);
-        let swing = if went_up { py - extreme } else { extreme - py };
-        if extreme.is_nan() || swing > 0.0 {
-            extreme = py;
-        } else if swing < -SWING {
-            turns[step] += 1.0;
-            (extreme, went_up) = (py, !went_up);
+        let found = step(p, x, y, steps).map(|k| (k, y.at(p.1)));
+        if let Some((k, py)) = found {
+            way[k] += before.map_or(0.0, |before| (py - before).abs());
+            ends[k] = (ends[k].0.min(py), ends[k].1.max(py));
         }
+        before = found.map(|f| f.1);
     }
+    let height = |k: usize| {
+        let beside = &ends[k.saturating_sub(BESIDE)..(k + BESIDE + 1).min(steps)];
+        let (low, high) = beside.iter().fold((f64::MAX, f64::MIN), |(l, h), e| (l.min(e.0), h.max(e.1)));
+        (high - low).max(LEAST_HEIGHT)
+    };
+    let area: Vec<f64> = (0..steps).map(|k| STEP * height(k)).collect();
     let around = |k: usize| k.saturating_sub(AROUND)..(k + AROUND + 1).min(steps);
-    let mut crowded: Vec<bool> = (0..steps)
-        .map(|k| turns[around(k)].iter().sum::<f64>() >= most * STEP * around(k).len() as f64)
-        .collect();
+    let sum = |of: &[f64], k: usize| of[around(k)].iter().sum::<f64>();
+    let mut crowded: Vec<bool> = (0..steps).map(|k| weight * sum(&way, k) >= INK * sum(&area, k)).collect();
     for run in crowded.chunk_by_mut(|a, b| a == b) {
         if run.len() < LEAST_STEPS {
             run.fill(false);

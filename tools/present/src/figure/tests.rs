@@ -188,6 +188,15 @@ fn a_crowded_line_is_a_band_with_its_mean() {
     assert_eq!(svg.matches("stroke-dasharray=\"6 6\"").count(), 2, "{svg}");
 }
 
+/// Strides that can be told apart stay a line, also with small ripples on them.
+#[test]
+fn what_can_be_followed_stays_a_line() {
+    let stride = |t: f64| (0.5 * t).sin() + 0.03 * (7.0 * t).sin();
+    let line = (0..40_000).map(|k| f64::from(k) * 0.01).map(|t| (t, stride(t))).collect();
+    let svg = parsed(&figure().line("l", line));
+    assert!(!svg.contains("class=\"q") && !svg.contains("Band"), "{svg}");
+}
+
 /// A few peaks of a smooth line are not a band, and are not averaged.
 #[test]
 fn single_peaks_stay_lines() {
