@@ -120,13 +120,14 @@ pub fn table(headers: &[&str], rows: Vec<Vec<Cell>>) -> Markup {
 pub fn labelled_table(id: &str, headers: &[&str], rows: Vec<(&str, Vec<Cell>)>) -> Markup {
     let is_number = |k: usize| rows.iter().any(|(_, cells)| matches!(cells.get(k), Some(Cell::Number(_))));
     let id = (!id.is_empty()).then_some(id);
+    let headers: Vec<String> = headers.iter().map(|header| typeset(header)).collect();
     let cards = (headers.len() > COLUMNS_OF_A_NARROW_WINDOW).then_some("cards");
     html! {
         div.wide tabindex="0" { table id=[id] class=[cards] {
-            thead { tr { @for (k, header) in headers.iter().enumerate() { th class=[is_number(k).then_some("n")] { (typeset(header)) } } } }
+            thead { tr { @for (k, header) in headers.iter().enumerate() { th class=[is_number(k).then_some("n")] { (header) } } } }
             tbody { @for (word, cells) in &rows {
                 tr data-filter=[(!word.is_empty()).then_some(word)] {
-                    @for (cell, header) in cells.iter().zip(headers) {
+                    @for (cell, header) in cells.iter().zip(&headers) {
                         @match cell {
                             Cell::Text(text) => td class=[(text.chars().count() > 60).then_some("w")] data-label=(header) { (typeset(text)) },
                             // Several numbers in a cell may stand below each other.

@@ -10,6 +10,7 @@ use super::{Printed, Row, Verdict, significant};
 use maud::{Markup, PreEscaped, html};
 use present::figure::{Axis, Figure};
 use present::page::{Cell, Plate, labelled_table, page, plates};
+use present::typeset;
 use present::words::{sentence, unit};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -46,7 +47,7 @@ fn page_of(content: Content) -> Page {
     let body = html! {
         p.lead { (content.lead) }
         h2 { "Conclusion" }
-        p { (content.conclusion) }
+        p { (typeset(&sentence(content.conclusion))) }
         h2 { "Figures" }
         (plates(&content.plates))
         (content.tables)

@@ -10,6 +10,7 @@ use crate::reproduce::thesis::{
 };
 use maud::{Markup, html};
 use present::page::{Cell, Plate, table};
+use present::{typeset, words};
 use rayon::prelude::*;
 
 /// Narrowest r* to which the fitted rig may be trusted: its leak was fitted between 0.75 and 0.857.
@@ -248,7 +249,7 @@ fn tables(found: &Thesis) -> Markup {
         (table(&headers, rows.collect()))
         @if !found.findings.is_empty() {
             h2 { "Identifiability of the fitted parameters" }
-            ul { @for sentence in &found.findings { li { (sentence) } } }
+            ul { @for sentence in &found.findings { li { (typeset(&words::sentence(sentence))) } } }
         }
     }
 }
