@@ -188,7 +188,7 @@ fn a_crowded_line_is_a_band_with_its_mean() {
     assert_eq!(svg.matches("stroke-dasharray=\"6 6\"").count(), 2, "{svg}");
 }
 
-/// Strides that can be told apart stay a line, also with small ripples on them.
+/// Strides that can be distinguished stay a line, also with small ripples on them.
 #[test]
 fn what_can_be_followed_stays_a_line() {
     let stride = |t: f64| (0.5 * t).sin() + 0.03 * (7.0 * t).sin();
