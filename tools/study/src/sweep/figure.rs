@@ -37,15 +37,12 @@ impl Sweep {
         let objectives = self.objectives.iter().map(|o| words(&o.name)).collect::<Vec<_>>().join(" and ");
         let varied = self.varied.iter().map(|name| named(name)).collect::<Vec<_>>().join(" and ");
         let first = &self.varied[0];
-        let what = match (named(first), self.meanings[0]) {
+        let what = match self.meanings[0] {
             // A symbol is explained.
-            (name, Some(meaning)) if name == *first && name.contains('.') => format!("{meaning}, {name},"),
-            (name, _) => name,
+            Some(meaning) if named(first) == *first && first.contains('.') => format!("{meaning} ({first})"),
+            _ => named(first),
         };
-        let x = axis(
-            what.strip_suffix(',').filter(|_| self.shown[0].unit("").is_empty()).unwrap_or(&what),
-            &self.shown[0],
-        );
+        let x = axis(&what, &self.shown[0]);
         let mut figure =
             Figure::stacked(&format!("{objectives} over {varied}{source}"), x).remark(&self.remark());
         type Points = Vec<(f64, f64)>;

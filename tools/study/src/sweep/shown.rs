@@ -96,7 +96,7 @@ mod tests {
         let svg = figure.svg();
         for text in [
             "Terminal resistance at T_ref",
-            ", motor.R_ref, in",
+            " (motor.R_ref) in",
             "winding temperature and current over motor.R_ref",
         ] {
             assert!(svg.contains(text), "{text}: {svg}");
