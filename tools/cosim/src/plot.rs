@@ -2,7 +2,7 @@
 
 use crate::{Column, Error, Kind, Recording, Status};
 use present::figure::{Axis, Figure};
-use present::words::{sentence, unit as written};
+use present::words::{is_word, sentence, unit as written};
 use std::path::Path;
 
 /// Panels that a figure may have; further outputs are named below it.
@@ -117,7 +117,6 @@ fn ended(recording: &Recording) -> String {
 /// A name of whole words in words, after its component; any other name as it is.
 fn words(name: &str) -> String {
     let (component, own) = name.rsplit_once('.').map_or(("", name), |(component, own)| (component, own));
-    let is_word = |part: &str| part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase());
     match (own.split('_').all(is_word), component) {
         (false, _) => name.to_owned(),
         (true, "") => present::words::words(own),

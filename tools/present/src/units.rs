@@ -57,11 +57,13 @@ pub(crate) fn is_unit(word: &str) -> bool {
 
 /// A power of ten as people write it.
 pub(crate) fn ten_to(power: i32) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        digit => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit as usize - '0' as usize).unwrap_or(digit),
-    };
     format!("10{}", power.to_string().chars().map(raised).collect::<String>())
+}
+
+/// A digit or a sign as part of an exponent.
+pub(crate) fn raised(c: char) -> char {
+    let digit = || "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c.to_digit(10)? as usize);
+    if c == '-' { '⁻' } else { digit().unwrap_or(c) }
 }
 
 /// The unit that is a power of ten of a unit: a prefix at its first symbol where one is usual, else the power before the unit, where it

@@ -1,6 +1,7 @@
 //! Names of variables and units as people write them.
 
 use crate::typeset::is_typed;
+use crate::units::raised;
 
 /// Quantities that stand first in names, and are last in words: `loss_copper` is the copper loss.
 const QUANTITIES: [&str; 5] = ["energy", "loss", "power", "voltage", "work"];
@@ -8,6 +9,11 @@ const QUANTITIES: [&str; 5] = ["energy", "loss", "power", "voltage", "work"];
 const ATTRIBUTES: [&str; 7] = ["balance", "command", "demand", "density", "error", "limit", "sensor"];
 /// Statistics that stand last in names, and are first in words.
 const STATISTICS: [(&str, &str); 4] = [("rms", "rms"), ("peak", "peak"), ("mean", "mean"), ("end", "final")];
+
+/// Whether a part of a name is a word, and no symbol such as `R` or `tau1`.
+pub fn is_word(part: &str) -> bool {
+    part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase())
+}
 
 /// A name of a variable in words, behind those of its component.
 pub fn words(name: &str) -> String {
@@ -79,7 +85,7 @@ pub fn unit(text: &str) -> String {
                 written.push('^');
                 written.extend(&all[k..end]);
             }
-            _ if is_exponent => written.extend(all[k..end].iter().map(raised)),
+            _ if is_exponent => written.extend(all[k..end].iter().copied().map(raised)),
             _ if is_digit(k) => written.extend(&all[k..end]),
             '.' if k > 0 && is(k + 1, |d| d.is_alphabetic() || *d == '(') => written.push('·'),
             other => written.push(other),
@@ -89,18 +95,12 @@ pub fn unit(text: &str) -> String {
     written
 }
 
-/// A digit as an exponent.
-fn raised(digit: &char) -> char {
-    digit.to_digit(10).and_then(|d| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(d as usize)).unwrap_or(*digit)
-}
-
 /// Ends of names of files, which are no variables.
 const FILES: [&str; 9] = ["csv", "toml", "json", "html", "svg", "png", "fmu", "txt", "md"];
 
 /// A sentence with its names of variables in words and its units in the usual notation, behind numbers and behind "in". An option, its
 /// value and an assignment (`--set load_torque=1`) stay as they are typed.
 pub fn sentence(text: &str) -> String {
-    let is_word = |part: &str| part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase());
     let is_file = |name: &str| name.rsplit_once('.').is_some_and(|(_, end)| FILES.contains(&end));
     let is_degree = |name: &str| ["degC", "degF", "degR"].contains(&name);
     let (mut after_option, mut after_number, mut after_in) = (false, false, false);

@@ -2,7 +2,7 @@
 //!
 //! winding  T_hot <= winding_temperature: the enamel fails, and R(T) of an intact winding no longer holds          (1)
 //! magnets  T_m <= magnet_temperature, and T_m < T_ref - 1/alpha_mag, where the linear k_t(T_m) is zero            (2)
-//! cold     winding and magnets above lowest_temperature: below it R(T) of copper is nonlinear              (3)
+//! cold     winding and magnets above lowest_temperature: below it R(T) of copper is nonlinear                     (3)
 //!
 //! thermal.T_w_max is the manufacturer's limit; it sets over_temperature and does not end the simulation. At the limits here the
 //! equations no longer hold and the simulation ends: thermal runaway, fan failure, a communication step of hours at stall.

@@ -1,11 +1,10 @@
 //! Points of a sweep with the names and units of their values, and the reasons of the infeasible ones.
 
 use super::{Choice, PRESET, Sweep};
-use present::words::words;
+use present::words::{is_word, words};
 
 /// A name of whole words in words; that of a symbol, such as `motor.R_ref`, as it is set.
 pub(super) fn named(name: &str) -> String {
-    let is_word = |part: &str| part.len() > 1 && part.bytes().all(|b| b.is_ascii_lowercase());
     if name.split(['.', '_']).all(is_word) { words(name) } else { name.to_owned() }
 }
 

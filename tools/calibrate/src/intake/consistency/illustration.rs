@@ -59,15 +59,9 @@ pub fn illustration(
     let mut touched = mistake.as_ref().map_or_else(|| vec![place], Mistake::touches);
     // An input is judged by the outputs, which follow.
     if touched.iter().any(|k| *k < inputs) {
-        touched.extend(inputs..all.len());
+        let others: Vec<usize> = (inputs..all.len()).filter(|k| !touched.contains(k)).collect();
+        touched.extend(others);
     }
-    let mut known = Vec::new();
-    touched.retain(|k| {
-        !known.contains(k) && {
-            known.push(*k);
-            true
-        }
-    });
     let simulated = |data: &Experiment| predicted(data, preset, &[0], deadline).pop().unwrap_or_default();
     let as_recorded = simulated(&alone);
     let as_meant = meant.as_ref().map(simulated);
@@ -77,7 +71,6 @@ pub fn illustration(
         values.iter().any(|x| x.is_finite()).then_some(values)
     };
     let output = |k: usize, of: &[Vec<f64>]| drawn(of.get(k.checked_sub(inputs)?)?, k);
-    let differs = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| a != b;
     let channel = |k: usize| {
         let recorded = drawn(&run.table.columns[k], k);
         let corrected = meant.as_ref().and_then(|m| drawn(&m.runs[0].table.columns[k], k));
@@ -85,7 +78,7 @@ pub fn illustration(
         Some(Illustrated {
             column: all[k].column,
             corrected: corrected.filter(|_| mistake.as_ref().is_some_and(|m| m.touches().contains(&k))),
-            predicted_corrected: if differs(&before, &after) { after } else { None },
+            predicted_corrected: if before == after { None } else { after },
             recorded: recorded?,
             predicted: before,
         })

@@ -125,13 +125,7 @@ pub fn compared(part: &Part, data: Data, outcome: &Outcome) -> Plate {
             (false, _) => remarks.push(format!("{name}: all readings were set aside (see Notes)")),
             _ => {}
         }
-        if outside > 0 {
-            remarks.push(format!(
-                "{name}: {} that {} set aside outside the panel",
-                count_of(outside, "reading"),
-                was(outside)
-            ));
-        }
+        remarks.extend(not_drawn(&name, outside));
     }
     let mut changing = "";
     for (k, channel) in data.used.inputs.iter().enumerate() {
@@ -151,13 +145,7 @@ pub fn compared(part: &Part, data: Data, outcome: &Outcome) -> Plate {
         figure =
             figure.panel(Axis::new(&with_unit(channel.column))).colour(2).line("", part.line(shown(&values)));
         figure = with_aside(figure, rings);
-        if outside > 0 {
-            remarks.push(format!(
-                "{name}: {} that {} set aside outside the panel",
-                count_of(outside, "reading"),
-                was(outside)
-            ));
-        }
+        remarks.extend(not_drawn(&name, outside));
     }
     caption += changing;
     if has_rings {
@@ -172,8 +160,11 @@ pub fn compared(part: &Part, data: Data, outcome: &Outcome) -> Plate {
     Plate::new("compared", figure, caption)
 }
 
-fn was(count: usize) -> &'static str {
-    if count == 1 { "was" } else { "were" }
+/// The remark on readings that were set aside too far from the others to be drawn.
+fn not_drawn(name: &str, count: usize) -> Option<String> {
+    let was = if count == 1 { "was" } else { "were" };
+    let readings = count_of(count, "reading");
+    (count > 0).then(|| format!("{name}: {readings} that {was} set aside outside the panel"))
 }
 
 /// The gaps in words, by the clock of the file as in the notes.
