@@ -33,11 +33,15 @@ pub const TUBE: usize = 1;
 /// Largest temperature error of an accepted substep, K.
 const TOLERANCE: f64 = 1e-6;
 
-/// Heat flows into the network, W.
+/// Heat flows into the network at one instant. What flows into a segment depends on its temperature: [`Network::into_segment`].
 #[derive(Clone, Copy, Debug)]
 pub struct Inflow {
+    /// Heat flow into the rotor, W.
     rotor: f64,
-    segment: [f64; SEGMENTS],
+    /// Stator temperature, K.
+    stator: f64,
+    /// Friction heat of each segment, W.
+    friction: f64,
 }
 
 /// Heat flows of the network at one instant, W.
@@ -239,19 +243,34 @@ impl Network {
     /// Heat flows into the network at one instant; winding and stator temperatures in K, `friction` in W.
     pub fn inflow(&self, winding: f64, stator: f64, friction: f64) -> Inflow {
         let body = &self.body;
-        let n = body.segments;
-        let to_housing = friction * (1.0 - body.friction_to_rotor) / n as f64;
-        let mut segment = [0.0; SEGMENTS];
-        for (q, t) in segment.iter_mut().zip(self.housing()) {
-            *q = body.from_stator * (stator - t) + to_housing;
+        let of_rotor = friction * body.friction_to_rotor;
+        Inflow {
+            rotor: body.winding_to_rotor * (winding - self.states[ROTOR]) + of_rotor,
+            stator,
+            friction: self.friction_of_segment(friction),
         }
-        let rotor =
-            body.winding_to_rotor * (winding - self.states[ROTOR]) + friction * body.friction_to_rotor;
-        Inflow { rotor, segment }
     }
 
-    /// Derivatives of all states, eqs. (1) to (3), K/s, and the heat flow to ambient, W.
-    fn rates(&self, ambient: f64, inflow: &Inflow, y: &[f64], out: &mut [f64]) {
+    /// The part of `friction` that heats each segment, in its unit.
+    fn friction_of_segment(&self, friction: f64) -> f64 {
+        friction * (1.0 - self.body.friction_to_rotor) / self.body.segments as f64
+    }
+
+    /// Heat flow into a segment at its present temperature, W.
+    #[inline(always)]
+    fn into_segment(&self, inflow: &Inflow, k: usize) -> f64 {
+        self.body.from_stator * (inflow.stator - self.states[FIRST + k]) + inflow.friction
+    }
+
+    /// Derivatives of all states, eqs. (1) to (3), K/s, and the heat flow to ambient, W, with these heat flows into the rotor and the
+    /// segments, W.
+    fn rates(
+        &self,
+        ambient: f64,
+        (into_rotor, into_segment): (f64, impl Fn(usize) -> f64),
+        y: &[f64],
+        out: &mut [f64],
+    ) {
         let (body, c) = (&self.body, &self.now);
         let n = body.segments.min(SEGMENTS);
         let (y, out) = (&y[..=FIRST + n], &mut out[..=FIRST + n]);
@@ -275,12 +294,12 @@ impl Network {
             from_rotor += from;
             to_tube += radiated - from_tube;
             leaving += direct;
-            let gain = inflow.segment[k] + from_outside + from + along;
+            let gain = into_segment(k) + from_outside + from + along;
             out[FIRST + k] = (gain - direct - radiated - segment) * per_joule;
             before = t;
         }
         let outside = c.tube_to_ambient * (tube - ambient);
-        out[ROTOR] = (inflow.rotor - from_rotor) * per_rotor;
+        out[ROTOR] = (into_rotor - from_rotor) * per_rotor;
         out[TUBE] = (to_tube - outside) * per_tube;
         out[FIRST + n] = leaving + outside + c.m_flow_cp * (air - inlet);
     }
@@ -288,8 +307,13 @@ impl Network {
     /// Derivatives at the present temperatures, K/s.
     pub fn rates_now(&self, ambient: f64, inflow: &Inflow) -> States {
         let mut out = [0.0; MOST];
-        self.rates(ambient, inflow, &self.states, &mut out);
+        self.put_rates(ambient, inflow, &mut out);
         out
+    }
+
+    /// The same in `out`, without a copy.
+    pub fn put_rates(&self, ambient: f64, inflow: &Inflow, out: &mut States) {
+        self.rates(ambient, (inflow.rotor, |k| self.into_segment(inflow, k)), &self.states, out);
     }
 
     /// Mean of [`rates_now`](Self::rates_now) over the segments.

@@ -257,7 +257,7 @@ impl AnnulusCooledMotor {
         let ahead = network.ahead(&rates, h);
         if ahead.iter().any(|change| change.abs() > 1e-4) {
             network.refresh(p, &middle, at_middle, ahead);
-            rates = network.rates_now(ambient.start, &inflow);
+            network.put_rates(ambient.start, &inflow, &mut rates);
         }
 
         step.couple(coupling(network, fan_conductance, ambient, Some(&rates)));

@@ -112,35 +112,41 @@ impl Coefficients {
         [from_housing, from_tube]
     }
 
-    /// Takes the values of `other` for the first `n` segments.
+    /// Takes the values of `base` plus `z` times `slope` for the first `n` segments.
     #[inline]
-    pub(super) fn take(&mut self, other: &Coefficients, n: usize) {
-        let Coefficients { ambient_conductance, film_conductance, share, effectiveness, .. } = self;
-        let segments = [ambient_conductance, film_conductance, share, effectiveness];
-        let others =
-            [&other.ambient_conductance, &other.film_conductance, &other.share, &other.effectiveness];
-        for (mine, other) in segments.into_iter().zip(others) {
-            mine[..n].copy_from_slice(&other[..n]);
+    pub(super) fn take(&mut self, base: &Coefficients, slope: &Coefficients, z: f64, n: usize) {
+        // Not a copy and a sum: copies of a few numbers are calls that take longer than the sums.
+        for k in 0..n.min(SEGMENTS) {
+            self.ambient_conductance[k] = base.ambient_conductance[k] + z * slope.ambient_conductance[k];
+            self.film_conductance[k] = base.film_conductance[k] + z * slope.film_conductance[k];
+            self.share[k] = base.share[k] + z * slope.share[k];
+            self.effectiveness[k] = base.effectiveness[k] + z * slope.effectiveness[k];
         }
-        self.m_flow_cp = other.m_flow_cp;
-        self.inlet_rise = other.inlet_rise;
-        self.to_tube = other.to_tube;
-        self.tube_to_ambient = other.tube_to_ambient;
-        self.fan_power = other.fan_power;
-        self.coolant_inlet = other.coolant_inlet;
-        (self.flow, self.behind) = (other.flow, other.behind);
-        (self.pressure_drop, self.of_mode) = (other.pressure_drop, other.of_mode);
+        (self.flow, self.behind) = (base.flow, base.behind);
+        (self.pressure_drop, self.of_mode) = (base.pressure_drop, base.of_mode);
+        self.coolant_inlet = base.coolant_inlet;
+        self.m_flow_cp = base.m_flow_cp;
+        self.to_tube = base.to_tube;
+        self.tube_to_ambient = base.tube_to_ambient;
+        self.fan_power = base.fan_power;
+        self.change_flow(slope, z);
     }
 
     /// Adds `z` times `slope` for the first `n` segments.
     #[inline]
     pub(super) fn change(&mut self, slope: &Coefficients, z: f64, n: usize) {
-        for k in 0..n {
+        for k in 0..n.min(SEGMENTS) {
             self.ambient_conductance[k] += z * slope.ambient_conductance[k];
             self.film_conductance[k] += z * slope.film_conductance[k];
             self.share[k] += z * slope.share[k];
             self.effectiveness[k] += z * slope.effectiveness[k];
         }
+        self.change_flow(slope, z);
+    }
+
+    /// The same for what all segments have in common.
+    #[inline]
+    fn change_flow(&mut self, slope: &Coefficients, z: f64) {
         self.m_flow_cp += z * slope.m_flow_cp;
         self.to_tube += z * slope.to_tube;
         self.tube_to_ambient += z * slope.tube_to_ambient;

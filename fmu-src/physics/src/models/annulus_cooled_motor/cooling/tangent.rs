@@ -115,7 +115,7 @@ impl Tangent {
     /// Error of the heat flows at `now`, where the coefficients are `full`, as a fraction of the larger one at a rise that is higher by
     /// [`IN_USE`].
     pub(super) fn error(&self, full: &Coefficients, now: &Conditions, n: usize) -> f64 {
-        let mut line = self.base;
+        let mut line = Coefficients::NONE;
         self.follow(now, n, &mut line);
         let rise = IN_USE.copysign(now.surface - now.ambient);
         let warmer = Conditions { surface: now.surface + rise, tube: now.tube + rise, ..*now };
@@ -135,10 +135,10 @@ impl Tangent {
             && self.beyond_tube(now).abs() <= self.reach[1]
     }
 
-    /// Adds the changes of the temperatures since the evaluation.
+    /// The coefficients with the changes of the temperatures since the evaluation.
     #[inline]
     fn follow(&self, now: &Conditions, n: usize, out: &mut Coefficients) {
-        out.change(&self.slope, self.beyond(now) * self.per_rise, n);
+        out.take(&self.base, &self.slope, self.beyond(now) * self.per_rise, n);
         if let Some(by_tube) = &self.by_tube {
             out.change(by_tube, self.beyond_tube(now) / largest_of_node(&self.at), n);
         }
@@ -175,7 +175,6 @@ impl Tangent {
         out: &mut Coefficients,
     ) {
         let n = cooling.segments;
-        out.take(&self.base, n);
         self.follow(now, n, out);
         out.coolant_inlet = self.base.coolant_inlet.map(|_| now.coolant_inlet_temperature);
         if now.fan_command != self.at.fan_command {

@@ -1,6 +1,6 @@
 //! A substep of the network beside winding and stator.
 
-use super::{FIRST, Inflow, Network, ROTOR, SEGMENTS, mean};
+use super::{FIRST, Inflow, Network, ROTOR, mean};
 use crate::line::Line;
 use crate::solver::stabilized::{MOST, Stabilized, States, error};
 use std::array::from_fn;
@@ -31,23 +31,28 @@ pub struct Advance {
 }
 
 impl Network {
-    /// Mean heat flows over a substep of `h` seconds, from the time integrals of winding and stator temperature and the
-    /// friction energy, with rotor and housing linear in time. Second result: the heat that left winding and stator, J.
-    fn mean_inflow(&self, rates: &States, h: f64, integrals: &CouplingIntegrals) -> (Inflow, f64) {
+    /// Mean heat flows over a substep of `h` seconds into the rotor and the segments, W, from the time integrals of winding and stator
+    /// temperature and the friction energy, with rotor and housing linear in time. Last result: the heat that left winding and stator, J.
+    fn mean_inflow<const M: usize>(
+        &self,
+        rates: &States,
+        h: f64,
+        integrals: &CouplingIntegrals,
+    ) -> (f64, [f64; M], f64) {
         let body = &self.body;
         let &CouplingIntegrals { winding, stator, friction } = integrals;
-        let to_housing = friction * (1.0 - body.friction_to_rotor) / body.segments as f64;
+        let to_housing = self.friction_of_segment(friction);
         let along = |k: usize| h * (self.states[k] + 0.5 * h * rates[k]);
-        let mut inflow = Inflow { rotor: 0.0, segment: [0.0; SEGMENTS] };
         let from_winding = body.winding_to_rotor * (winding - along(ROTOR));
         let mut left = from_winding;
-        inflow.rotor = (from_winding + friction * body.friction_to_rotor) / h;
-        for k in 0..body.segments {
+        let rotor = (from_winding + friction * body.friction_to_rotor) / h;
+        let mut segments = [0.0; M];
+        for (k, segment) in segments.iter_mut().enumerate().take(body.segments) {
             let q = body.from_stator * (stator - along(FIRST + k));
             left += q;
-            inflow.segment[k] = (q + to_housing) / h;
+            *segment = (q + to_housing) / h;
         }
-        (inflow, left)
+        (rotor, segments, left)
     }
 
     /// Computes a substep of `h` seconds: `rates` are the derivatives at its start with the heat flows `at_start`, `integrals`
@@ -74,7 +79,7 @@ impl Network {
         ambient: Line,
     ) -> Advance {
         let (n, count) = (self.body.segments, self.body.states());
-        let (inflow, left) = self.mean_inflow(rates, h, integrals);
+        let (into_rotor, into_segment, left) = self.mean_inflow::<M>(rates, h, integrals);
         let stiffness = h * self.fastest;
         if stiffness > self.method.stiffness() || self.method.stages() > 2 {
             self.method = Stabilized::for_stiffness(stiffness);
@@ -83,11 +88,13 @@ impl Network {
         // `rates` belongs to the heat flows at the start; the derivatives are linear in them.
         let [start, mut first]: [[f64; M]; 2] = [&self.states, rates].map(|all| from_fn(|k| all[k]));
         let [rotor, _, segment] = self.body.per_joule;
-        first[ROTOR] += (inflow.rotor - at_start.rotor) * rotor;
+        first[ROTOR] += (into_rotor - at_start.rotor) * rotor;
         for k in 0..n {
-            first[FIRST + k] += (inflow.segment[k] - at_start.segment[k]) * segment;
+            first[FIRST + k] += (into_segment[k] - self.into_segment(at_start, k)) * segment;
         }
-        let at = |t: f64, y: &[f64; M], out: &mut [f64; M]| self.rates(ambient.at(t), &inflow, y, out);
+        let into = |k: usize| into_segment[k];
+        let at =
+            |t: f64, y: &[f64; M], out: &mut [f64; M]| self.rates(ambient.at(t), (into_rotor, into), y, out);
         let end = self.method.step(count, &start, &first, h, at);
         let mut worst = self.miss(rates, &end, h);
         // Bound of the local error, (h lambda)^2 h y'/6. At steps of milliseconds it is far below the rounding error of the
@@ -100,7 +107,7 @@ impl Network {
                 worst = worst.max(error(start[k], first[k], end[k], last[k], h).abs());
             }
         }
-        self.next[..count].copy_from_slice(&end[..count]);
+        self.next[..M].copy_from_slice(&end);
         let over = if stiffness > self.method.stiffness() { f64::INFINITY } else { worst / self.tolerance };
         Advance { left, to_ambient: end[FIRST + n], error: over }
     }
@@ -120,7 +127,10 @@ impl Network {
 
     /// Accepts the states at the end of the last substep.
     pub fn accept(&mut self) {
-        let in_use = self.body.states();
-        self.states[..in_use].copy_from_slice(&self.next[..in_use]);
+        // A copy of a fixed length is not a call.
+        match self.body.states() {
+            ..=FEW => self.states[..FEW].copy_from_slice(&self.next[..FEW]),
+            _ => self.states = self.next,
+        }
     }
 }
