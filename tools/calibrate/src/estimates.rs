@@ -234,10 +234,13 @@ fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
         })
         .collect();
     (!parts.is_empty()).then(|| {
+        let (what, effect) = match setup.runs(Role::Fit).len() {
+            1 => ("the fit run deviates from the model", "describes this run"),
+            _ => ("the fit runs disagree", "predicts runs that it leaves out"),
+        };
         format!(
-            "the fit runs disagree by more than the noise of their sensors: {} (RMSE of the fit). A fit with the sensor noise alone predicts \
-             runs that it leaves out worse than the preset; so the disagreement counts as noise that persists over a run, in the fit, in the \
-             intervals and in the search for effects",
+            "{what} by more than the noise of the sensors: {} (RMSE of the fit). A fit with the sensor noise alone {effect} worse than the \
+             preset; so the difference counts as noise that persists over a run, in the fit, in the intervals and in the search for effects",
             parts.join(", ")
         )
     })

@@ -26,12 +26,14 @@ mod pulses;
 mod response;
 mod saturated;
 mod signals;
+mod start;
 mod steps;
+mod unsynchronized;
 
 use crate::CalibrateError;
 use crate::comparison::converted;
 use crate::deadline::Deadline;
-use crate::experiment::{CELSIUS, Channel, Experiment, Role, Run, Start};
+use crate::experiment::{Channel, Experiment, Role, Run};
 use crate::fit::is_wide;
 use crate::hypothesis::Hypothesis;
 use crate::levels::{SAMPLES, SMALL, STRUCTURE};
@@ -44,7 +46,6 @@ use crate::simulate::{Bench, Drive};
 pub use consistency::illustration::{Illustrated, Illustration, illustration};
 use physics::declare::Unit;
 use physics::model::Declaration;
-use signals::SENSOR_ERROR;
 
 /// Fewest rows of a run that can be fitted. Derivation: five rows have three second differences, the fewest with a median.
 const LEAST_ROWS: usize = 5;
@@ -69,7 +70,11 @@ pub fn check(
     deadline: &Deadline,
 ) -> Result<bool, Refusal> {
     let agrees = sensors(experiment, preset, deadline)?;
-    let mut unusable = clocks::check(experiment, preset, deadline)?.or_else(|| nothing_left(experiment));
+    let mut unusable = clocks::check(experiment, preset, deadline)?;
+    if unusable.is_none() {
+        unsynchronized::set_aside(experiment, preset, deadline);
+        unusable = nothing_left(experiment);
+    }
     if unusable.is_none() {
         unusable = odd_file::check(experiment, preset, deadline)?;
     }
@@ -152,7 +157,7 @@ impl Fits {
     fn of(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<Fits, Refusal> {
         let references =
             consistency::contradiction(experiment, preset, deadline)?.map_err(Refusal::Unusable)?;
-        if let Some(unusable) = start_elsewhere(experiment) {
+        if let Some(unusable) = start::elsewhere(experiment) {
             return Err(Refusal::Unusable(unusable));
         }
         let predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
@@ -326,58 +331,6 @@ fn deviations(
     }
     all.iter_mut().flatten().flatten().for_each(|x| *x = x.sqrt());
     all
-}
-
-/// Run declared to start at ambient temperature although every node deviates from it by more than any sensor error. A deviation beyond the
-/// error of one working thermometer is a note, and the run starts as measured: the motor may be warm, or the ambient temperature that of
-/// another place.
-fn start_elsewhere(experiment: &mut Experiment) -> Option<Unusable> {
-    let column = experiment.inputs.iter().find(|c| c.is_ambient())?.column;
-    let mut notes = Vec::new();
-    let mut warm = Vec::new();
-    for (r, run) in experiment.runs.iter().enumerate().filter(|(_, run)| run.start == Start::Ambient) {
-        let Some(zero) = ambient(experiment, run).first().copied() else { continue };
-        let nodes = first_rises(experiment, run, zero);
-        let is_off = |least: f64| {
-            let off = |sign: f64| nodes.iter().all(|(_, off)| sign * off > least);
-            nodes.len() > 1 && (off(1.0) || off(-1.0))
-        };
-        if !is_off(SENSOR_ERROR) {
-            continue;
-        }
-        let words: Vec<String> = nodes.iter().map(|(name, off)| format!("{name} by {off:.1} K")).collect();
-        let reason = format!(
-            "the first readings in {} differ from {column} ({:.1} degC): {}; a run starts at the ambient temperature",
-            run.file,
-            zero - CELSIUS,
-            words.join(", ")
-        );
-        let suggestion = format!(
-            "state start = \"measured\" in [[run]] if the motor was warm, else check the sensor of {column} and its place"
-        );
-        if is_off(FAR) {
-            return Some(Unusable { channel: column.to_string(), reason, suggestion });
-        }
-        notes.push(format!("{reason}: {suggestion}; it is simulated from the measured temperatures"));
-        warm.push(r);
-    }
-    experiment.notes.extend(notes);
-    warm.into_iter().for_each(|r| experiment.runs[r].start = Start::Measured);
-    None
-}
-
-/// First readings of each thermometer of the motor in a run, above this temperature, K: the nearest to it, because a motor at the ambient
-/// temperature may warm up from one row to the next.
-fn first_rises(experiment: &Experiment, run: &Run, zero: f64) -> Vec<(&'static str, f64)> {
-    /// Number of first readings. Derivation: of three, one may be an outlier.
-    const FIRST: usize = 3;
-    let inputs = experiment.inputs.len();
-    let first = |k: usize| {
-        let rises = run.table.columns[inputs + k].iter().take(FIRST).map(|x| x - zero);
-        rises.filter(|off| off.is_finite()).min_by(|a, b| a.abs().total_cmp(&b.abs()))
-    };
-    let nodes = experiment.outputs.iter().enumerate().filter(|(_, c)| c.node().is_some());
-    nodes.filter_map(|(k, c)| Some((c.column, first(k)?))).collect()
 }
 
 /// The ambient temperature at each row of a run, K; blank without such a column.

@@ -124,8 +124,8 @@ pub fn is_stated(experiment: &Experiment, channel: &Channel) -> bool {
     experiment.noise.get(channel.column).is_some_and(|told| *told > 0.0)
 }
 
-/// Quantization noise of the `n`-th channel, inputs first.
-fn quantised(experiment: &Experiment, n: usize, channel: &Channel) -> f64 {
+/// Quantization noise of the `n`-th channel, inputs first; 0 if its readings are continuous.
+pub fn quantised(experiment: &Experiment, n: usize, channel: &Channel) -> f64 {
     let columns = experiment.runs.iter().map(|r| r.table.columns[n].as_slice());
     step(columns, channel.is_temperature()).unwrap_or(0.0) / 12f64.sqrt()
 }

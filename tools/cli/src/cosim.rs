@@ -36,9 +36,9 @@ pub struct Args {
     /// Coupling algorithm
     #[arg(long, value_enum, default_value_t = Scheme::Jacobi)]
     algorithm: Scheme,
-    /// Hold inputs constant over a step, also if an FMU accepts input derivatives
-    #[arg(long)]
-    no_slopes: bool,
+    /// Keep inputs constant over a step, also if an FMU accepts input derivatives
+    #[arg(long, alias = "no-slopes")]
+    no_input_derivatives: bool,
     /// Variable communication step with this relative error of the connected outputs; the FMUs must support rollback
     #[arg(long, value_name = "R")]
     tolerance: Option<f64>,
@@ -129,7 +129,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         input: args.input,
         display_units: args.shown.has_display_units(),
         algorithm: args.algorithm.into(),
-        held_inputs: args.no_slopes,
+        held_inputs: args.no_input_derivatives,
         every: args.every.map(|every| every as usize),
         threads: args.threads as usize,
         log: Log::new(),

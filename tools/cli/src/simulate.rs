@@ -56,9 +56,9 @@ pub struct Args {
     plot: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
-    /// Hold inputs constant over a step, also if the FMU accepts input derivatives
-    #[arg(long)]
-    held_inputs: bool,
+    /// Keep inputs constant over a step, also if the FMU accepts input derivatives
+    #[arg(long, alias = "held-inputs")]
+    no_input_derivatives: bool,
     /// Print the final values as JSON
     #[arg(long)]
     json: bool,
@@ -113,7 +113,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         tolerance: args.tolerance,
         records: args.records.iter().cloned().chain(further).collect(),
         input,
-        input_slopes: !args.held_inputs,
+        input_slopes: !args.no_input_derivatives,
         log: Log::new(),
     };
     let mut recording = cosim::simulate(&archive, &options, &mut parent::progress)?;

@@ -4,7 +4,9 @@ use crate::pattern::Patterns;
 use crate::{Failure, say, say_json};
 use cosim::{Archive, ModelDescription};
 use describe::preset::nearest;
-use describe::{Causality, Entry, Kind, ModelType, Preset, StartValues, models};
+use describe::{
+    Causality, Entry, Experiment, Kind, ModelType, Preset, Resources, StartValues, experiment, models,
+};
 use present::number;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -13,7 +15,7 @@ use std::process::ExitCode;
 /// List the variables of a model, a preset or any FMU
 ///
 /// Name, causality, type, unit, start value, limits and description; enumerations with the numbers of their items, which some importers
-/// need. Start values of a preset or an FMU are its own. Units are those of the FMI interface (SI).
+/// need. Start values are those of an FMU of the model or the preset, with the commands of its default experiment. Units are those of the FMI interface (SI).
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of a model, name or file of a preset, or FMU
@@ -99,12 +101,12 @@ impl Subject {
     /// Its variables.
     pub fn rows(&self) -> Result<Vec<Row>, Failure> {
         Ok(match self {
-            Subject::Model(kind) => declared(kind, &StartValues::default()),
+            Subject::Model(kind) => declared(kind, &StartValues::default(), None),
             Subject::Preset(preset, _) => {
                 let kind = models::by_name(&preset.model).ok_or_else(|| {
                     Failure::new(format!("preset {}: no model {}", preset.name, preset.model))
                 })?;
-                declared(kind, &preset.starts)
+                declared(kind, &preset.starts, preset.experiment)
             }
             Subject::Fmu(archive) => described(archive.description()),
         })
@@ -181,8 +183,10 @@ pub fn short(text: &str) -> String {
     text.parse::<f64>().map_or_else(|_| text.to_owned(), number)
 }
 
-fn declared(kind: &ModelType, starts: &StartValues) -> Vec<Row> {
+/// The variables of the archive that `build` makes of these start values, with the commands of its default experiment.
+fn declared(kind: &ModelType, starts: &StartValues, given: Option<Experiment>) -> Vec<Row> {
     let declaration = (kind.declaration)();
+    let (starts, _) = &experiment::of(kind, starts, &Resources::default(), given);
     let shown = declaration.entries.iter().filter(|e| starts.shows(declaration, e));
     shown.map(|entry| row(entry, starts)).collect()
 }

@@ -37,7 +37,8 @@ pub fn outputs(experiment: &mut Experiment) {
             for side in [1.0, -1.0] {
                 let column = &mut run.table.columns[k];
                 let Some(end) = clipped(column, side) else { continue };
-                if !channel.is_temperature() && (end == 0.0 || !is_noisy(column, end)) {
+                let stands = if channel.is_temperature() { is_coarse } else { is_still };
+                if stands(column, end) {
                     continue;
                 }
                 let count = column.iter().filter(|v| **v == end).count();
@@ -94,6 +95,17 @@ fn clipped(column: &[f64], side: f64) -> Option<f64> {
     let (first, next) = runs.split_first()?;
     let usual = next.iter().map(|run| run.len()).max()?;
     (next.len() == NEXT && first.len() >= CLIPPED * usual).then_some(side * first[0])
+}
+
+/// Whether a channel may stand exactly at this value without a limit: at 0, or one without noise.
+fn is_still(column: &[f64], end: f64) -> bool {
+    end == 0.0 || !is_noisy(column, end)
+}
+
+/// Whether a display is so coarse that most readings equal the one before: at rest it repeats any of them.
+fn is_coarse(column: &[f64], end: f64) -> bool {
+    let known = || column.windows(2).filter(|w| w.iter().all(|x| x.is_finite() && *x != end));
+    2 * known().filter(|w| w[0] == w[1]).count() > known().count()
 }
 
 /// Whether successive values of (1) have opposite signs as those of noise, where no reading is at the end.

@@ -38,7 +38,7 @@ use profile::{About, moved};
 const ROWS: usize = 1500;
 /// Least value of (2) at which a shift is confirmed or accepted. Derivation: the normal tail exp(-37 / 2) times 1e5, the readings by
 /// which columns can be shifted, is a false-alarm probability of 1e-3.
-const LEAST: f64 = 37.0;
+pub(super) const LEAST: f64 = 37.0;
 /// Ratio of successive shifts that are tried, for outputs and for inputs. Numerical: the best ones are refined.
 const RATIO: (f64, f64) = (1.25, 1.6);
 /// The greatest shift as a fraction of a run. Limit: a greater one leaves too few common rows.

@@ -13,6 +13,7 @@
 
 use super::signals::{ALIKE, NEAR_BY, Readings, bound};
 use crate::experiment::{Channel, Experiment, Table};
+use crate::noise;
 use crate::report::count_of;
 use std::f64::consts::PI;
 
@@ -34,11 +35,12 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], spike
         .collect();
     for output in 0..experiment.outputs.len() {
         let k = inputs + output;
+        let quantised = noise::quantised(experiment, k, channels[k]);
         let residuals: Vec<Option<Residual>> = experiment
             .runs
             .iter()
             .zip(predicted)
-            .map(|(run, model)| Residual::of(&run.table, k, model.get(output)?))
+            .map(|(run, model)| Residual::of(&run.table, (k, quantised), model.get(output)?))
             .collect();
         let find = |least: f64| -> Vec<Vec<usize>> {
             residuals.iter().map(|r| r.as_ref().map_or(Vec::new(), |r| r.pulses(least))).collect()
@@ -102,16 +104,22 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], spike
 struct Residual {
     time: Vec<f64>,
     off: Vec<f64>,
+    /// Noise of the quantization of the readings.
+    quantised: f64,
 }
 
 impl Residual {
-    fn of(table: &Table, k: usize, model: &[f64]) -> Option<Residual> {
+    fn of(table: &Table, (k, quantised): (usize, f64), model: &[f64]) -> Option<Residual> {
         let off: Vec<f64> = table.columns[k].iter().zip(model).map(|(y, p)| y - p).collect();
-        off.iter().any(|x| x.is_finite()).then(|| Residual { time: table.time.clone(), off })
+        off.iter().any(|x| x.is_finite()).then(|| Residual { time: table.time.clone(), off, quantised })
+    }
+
+    fn readings(&self) -> Readings {
+        Readings::of(&self.time, &self.off).with_least(self.quantised)
     }
 
     fn pulses(&self, least: f64) -> Vec<usize> {
-        let readings = Readings::of(&self.time, &self.off);
+        let readings = self.readings();
         let mut rows = readings.spikes(true, least, (NEAR_BY, ALIKE));
         rows.extend(readings.ends(least, NEAR_BY));
         rows
@@ -132,7 +140,7 @@ impl Residual {
 
     /// Greatest residual in these rows, in standard deviations.
     fn largest(&self, rows: &[usize]) -> Option<f64> {
-        let readings = Readings::of(&self.time, &self.off);
+        let readings = self.readings();
         rows.iter().map(|row| readings.distance(*row)).max_by(f64::total_cmp)
     }
 }
@@ -170,7 +178,7 @@ mod tests {
     fn of_prediction(readings: &[f64], model: &[f64], rows: &[usize]) -> Vec<usize> {
         let time: Vec<f64> = (0..readings.len()).map(|k| k as f64).collect();
         let off = readings.iter().zip(model).map(|(y, p)| y - p).collect();
-        let residual = Residual { time, off };
+        let residual = Residual { time, off, quantised: 0.0 };
         rows.iter().copied().filter(|row| residual.is_of_prediction(readings, rows, *row)).collect()
     }
 

@@ -66,6 +66,8 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
     let channels: Vec<&'static Channel> =
         experiment.inputs.iter().chain(&experiment.outputs).copied().collect();
     let least = bound(experiment);
+    let quantised: Vec<f64> =
+        channels.iter().enumerate().map(|(k, c)| noise::quantised(experiment, k, c)).collect();
     let mut notes: Vec<String> = Vec::new();
     let mut counts = vec![0; channels.len()];
     for run in &mut experiment.runs {
@@ -107,12 +109,13 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
             write(about(k, format!("drops out to {reading:.2} degC in {rows}; {} set aside", these(count))));
         }
         let spikes: Vec<Vec<usize>> =
-            channels.iter().enumerate().map(|(k, c)| spikes(table, k, c, least)).collect();
+            channels.iter().enumerate().map(|(k, c)| spikes(table, k, c, (least, quantised[k]))).collect();
         // The ambient temperature cannot have pulses caused by the motor: in such a row the logger failed.
         let failed: Vec<usize> = (0..experiment.inputs.len())
             .filter(|k| channels[*k].is_temperature())
             .flat_map(|k| {
-                let ends = Readings::of(&table.time, &table.columns[k]).ends(least, 1.0);
+                let readings = Readings::of(&table.time, &table.columns[k]).with_least(quantised[k]);
+                let ends = readings.ends(least, 1.0);
                 spikes[k].iter().copied().chain(ends)
             })
             .collect();
@@ -229,10 +232,11 @@ fn follows(table: &Table, channel: usize, rows: &[usize]) -> bool {
 }
 
 /// Rows of a table at which a channel has spikes.
-fn spikes(table: &Table, k: usize, channel: &Channel, least: f64) -> Vec<usize> {
+fn spikes(table: &Table, k: usize, channel: &Channel, (least, quantised): (f64, f64)) -> Vec<usize> {
     // An ambient temperature has no pulses of its own, so that those next to each other are all spikes.
     let quantile = if channel.is_ambient() { NEAR_BY } else { 1.0 };
-    Readings::of(&table.time, &table.columns[k]).spikes(channel.is_temperature(), least, (quantile, ALIKE))
+    let readings = Readings::of(&table.time, &table.columns[k]).with_least(quantised);
+    readings.spikes(channel.is_temperature(), least, (quantile, ALIKE))
 }
 
 /// Readings of a column.
@@ -253,6 +257,11 @@ impl Readings {
         let sigma = noise::of_column(&time, &column).unwrap_or(0.0);
         let usual = super::median(column.windows(2).map(|w| (w[1] - w[0]).abs()));
         Readings { rows, time, column, sigma, usual }
+    }
+
+    /// The same with this least noise: that of the quantization, which changes of one step between long plateaus do not show.
+    pub(super) fn with_least(self, least: f64) -> Readings {
+        Readings { sigma: self.sigma.max(least), ..self }
     }
 
     /// The greater of the noise and of the usual change.
@@ -382,7 +391,11 @@ mod tests {
     #[test]
     fn spikes_of_any_width_are_found_and_a_clean_sensor_has_none() {
         for seed in 0..20 {
-            assert_eq!(spikes(&table(warming(seed)), 0, winding(), 6.0), Vec::<usize>::new(), "{seed}");
+            assert_eq!(
+                spikes(&table(warming(seed)), 0, winding(), (6.0, 0.0)),
+                Vec::<usize>::new(),
+                "{seed}"
+            );
             assert_eq!(jumps(&warming(seed)), Vec::<usize>::new(), "{seed}");
             let (warming, model) = (warming(seed), warming(seed + 100));
             let off: Vec<f64> = warming.iter().zip(&model).map(|(y, p)| y - p).collect();
@@ -392,7 +405,7 @@ mod tests {
             for size in [-300.0, 5.0, 900.0] {
                 let mut column = warming(3);
                 column[700..700 + width].iter_mut().for_each(|x| *x += size);
-                let found = spikes(&table(column), 0, winding(), 6.0);
+                let found = spikes(&table(column), 0, winding(), (6.0, 0.0));
                 assert_eq!(found, (700..700 + width).collect::<Vec<_>>(), "{width} {size}");
             }
         }
@@ -407,7 +420,7 @@ mod tests {
         let rows = [200, 203, 206, 410, 411, 415];
         rows.iter().for_each(|row| column[*row] = 353.0);
         let ambient = Channel::of("ambient_temperature_degC").unwrap();
-        assert_eq!(spikes(&table(column), 0, ambient, 6.0), rows);
+        assert_eq!(spikes(&table(column), 0, ambient, (6.0, 0.0)), rows);
     }
 
     #[test]

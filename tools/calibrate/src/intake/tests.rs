@@ -245,21 +245,6 @@ fn what_the_deadline_cuts_off_leads_to_no_conclusion() {
     assert!(cut > 0 && found > 0, "{cut} {found}");
 }
 
-/// An open ambient sensor at any value and a motor that was warm are detected; an offset of a few kelvin is a note.
-#[test]
-fn a_run_that_starts_elsewhere_is_unusable() {
-    for (shift, is_far) in [(-84.0, true), (107.0, true), (-15.0, true), (4.0, false), (0.0, false)] {
-        let mut run = experiment(9);
-        column(&mut run, AMBIENT).iter_mut().for_each(|x| *x += shift);
-        let mut noted = run.clone();
-        let found = start_elsewhere(&mut noted).map(|why| why.channel);
-        assert_eq!(found.as_deref(), is_far.then_some("ambient_temperature_degC"), "{shift}");
-        assert_eq!(noted.notes.len() - run.notes.len(), usize::from(shift == 4.0), "{:?}", noted.notes);
-        run.runs[0].start = Start::Measured;
-        assert_eq!(start_elsewhere(&mut run), None);
-    }
-}
-
 pub(super) fn unusable(experiment: &mut Experiment) -> Option<String> {
     match check(experiment, &[], &Deadline::default()) {
         Err(Refusal::Unusable(why)) => Some(why.channel),

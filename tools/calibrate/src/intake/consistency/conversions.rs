@@ -2,7 +2,7 @@
 
 use crate::experiment::CELSIUS;
 use crate::experiment::units::{names, units};
-use crate::levels::PART;
+use crate::levels::{PART, SMALL};
 use physics::declare::Unit;
 
 /// Two units with factors or offsets that differ by less are the same. Numerical: rounding of the factors.
@@ -17,6 +17,24 @@ const PT100: (f64, f64) = (100.0, 0.385);
 
 /// Minutes in a radian per second. Definition: 60 s / 2 pi.
 const TURNS: f64 = 30.0 / std::f64::consts::PI;
+
+/// Types of thermocouples with their voltage at 100 degC against 0 degC, mV. Source: IEC 60584-1, tables of the types.
+const TYPES: [(char, f64); 7] =
+    [('E', 6.319), ('J', 5.269), ('T', 4.279), ('K', 4.096), ('N', 2.774), ('R', 0.647), ('S', 0.646)];
+
+/// Ratio by which the rise over the cold junction is too large for a thermocouple at an input that is set to a type of less voltage, with a
+/// description of the readings. One of more voltage reads too little, as a stem loss does.
+pub fn type_mistakes() -> Vec<(f64, String)> {
+    let pairs = TYPES.iter().flat_map(|wire| TYPES.iter().map(move |input| (wire, input)));
+    let all = pairs.map(|((wire, own), (input, set))| (own / set, wire, input));
+    all.filter(|(ratio, ..)| *ratio > 1.0 + SMALL)
+        .map(|(ratio, wire, input)| {
+            let words =
+                format!("rises over ambient divided by {ratio:.3} (thermocouple of type {wire}, input set to type {input})");
+            (ratio, words)
+        })
+        .collect()
+}
 
 /// Factor and offset in SI units of all unit mistakes for a quantity, with a description of the readings.
 pub fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {

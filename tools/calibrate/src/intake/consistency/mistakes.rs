@@ -1,7 +1,7 @@
 //! Mistakes in the columns of an experiment: units, signs, exchanged columns.
 
 use super::super::ambient;
-use super::conversions::{SIGN, unit_mistakes};
+use super::conversions::{SIGN, type_mistakes, unit_mistakes};
 use crate::experiment::{CELSIUS, Channel, Experiment, Start};
 use crate::levels::{FACTOR, PART};
 use physics::declare::Unit;
@@ -17,6 +17,8 @@ pub enum Mistake {
     Rise(Vec<usize>),
     /// Thermocouples with reversed wires: their rise over ambient, where the logger is, has the opposite sign.
     Reversed(Vec<usize>),
+    /// Thermocouples at an input that is set to another type: their rise over ambient, where the logger is, is divided by this ratio.
+    WrongType { columns: Vec<usize>, ratio: f64, words: String },
     /// The ambient sensor is heated by the motor; the first reading of a run is used as the ambient temperature.
     Heated(usize),
     /// An input was not measured: its column is constant. Its values are implied by an output, which is then no longer evidence.
@@ -40,9 +42,10 @@ impl Mistake {
     /// The columns that it changes, inputs first.
     pub fn touches(&self) -> Vec<usize> {
         match self {
-            Mistake::Affine { columns, .. } | Mistake::Rise(columns) | Mistake::Reversed(columns) => {
-                columns.clone()
-            }
+            Mistake::Affine { columns, .. }
+            | Mistake::WrongType { columns, .. }
+            | Mistake::Rise(columns)
+            | Mistake::Reversed(columns) => columns.clone(),
             Mistake::Swap(a, b) => vec![*a, *b],
             Mistake::Heated(k) => vec![*k],
             Mistake::Unmeasured { column, by } => vec![*column, *by],
@@ -66,12 +69,12 @@ impl Mistake {
 
     /// Sum of ln |dx/dy| over the outputs, y the readings as recorded and x the corrected ones.
     pub fn stretch(&self, inputs: usize) -> f64 {
-        match self {
-            Mistake::Affine { columns, factor, .. } => {
-                columns.iter().filter(|k| **k >= inputs).count() as f64 * factor.abs().ln()
-            }
-            _ => 0.0,
-        }
+        let (columns, factor) = match self {
+            Mistake::Affine { columns, factor, .. } => (columns, factor.abs()),
+            Mistake::WrongType { columns, ratio, .. } => (columns, 1.0 / ratio),
+            _ => return 0.0,
+        };
+        columns.iter().filter(|k| **k >= inputs).count() as f64 * factor.ln()
     }
 
     /// Whether both are factors that differ by less than a missing effect or a gain does.
@@ -163,6 +166,9 @@ impl Mistake {
                 Mistake::Reversed(columns) => columns.iter().for_each(|k| {
                     table.columns[*k].iter_mut().zip(&ambient).for_each(|(x, t)| *x = 2.0 * t - *x);
                 }),
+                Mistake::WrongType { columns, ratio, .. } => columns.iter().for_each(|k| {
+                    table.columns[*k].iter_mut().zip(&ambient).for_each(|(x, t)| *x = t + (*x - t) / ratio);
+                }),
                 Mistake::Heated(k) => {
                     let column = &mut table.columns[*k];
                     let first = column.iter().copied().find(|x| x.is_finite()).unwrap_or(f64::NAN);
@@ -187,7 +193,7 @@ impl Mistake {
     /// Change of the readings in words, if it is one of a unit, a factor or a sign.
     pub fn change(&self) -> Option<&str> {
         match self {
-            Mistake::Affine { words, .. } => Some(words),
+            Mistake::Affine { words, .. } | Mistake::WrongType { words, .. } => Some(words),
             _ => None,
         }
     }
@@ -206,6 +212,14 @@ impl Mistake {
                     first,
                     format!("{all} in {files} {} the model; {words} would agree", contradict(columns)),
                     format!("check unit and sign of {all}; [columns] states the unit of a column"),
+                )
+            }
+            Mistake::WrongType { columns, words, .. } => {
+                let (first, all) = names(columns);
+                (
+                    first,
+                    format!("{all} in {files} {} the model; {words} would agree", contradict(columns)),
+                    format!("check the thermocouple type that the input of {all} is set to"),
                 )
             }
             Mistake::Swap(a, b) => {
@@ -349,6 +363,14 @@ const TIMES: [(f64, &str); 8] = [
 /// Longest run of a bench, s. Limit: thirty days; readings that would last longer are in a shorter unit.
 const LONGEST_RUN: f64 = 30.0 * 86_400.0;
 
+/// Mistakes of thermocouples that share a logger.
+fn of_thermocouples(columns: &[usize]) -> Vec<Mistake> {
+    let of = |(ratio, words)| Mistake::WrongType { columns: columns.to_vec(), ratio, words };
+    let mut found: Vec<Mistake> = type_mistakes().into_iter().map(of).collect();
+    found.extend([Mistake::Rise(columns.to_vec()), Mistake::Reversed(columns.to_vec())]);
+    found
+}
+
 /// All mistakes that involve these columns only.
 pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let all = channels(experiment);
@@ -372,7 +394,7 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
         if channel.is_temperature() {
             match channel.input {
                 Some(_) => found.push(Mistake::Heated(k)),
-                None => found.extend([Mistake::Rise(vec![k]), Mistake::Reversed(vec![k])]),
+                None => found.extend(of_thermocouples(&[k])),
             }
         }
         if channel.unit == Unit::One {
@@ -404,7 +426,7 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
         let of_motor: Vec<usize> = columns.iter().copied().filter(|k| !all[*k].is_ambient()).collect();
         let is_other = unit == Unit::Kelvin && of_motor.len() > 1;
         if is_other {
-            found.extend([Mistake::Rise(of_motor.clone()), Mistake::Reversed(of_motor.clone())]);
+            found.extend(of_thermocouples(&of_motor));
         }
         for columns in [columns, if is_other { of_motor } else { Vec::new() }] {
             if columns.len() > 1 {

@@ -3,7 +3,7 @@
 use crate::deadline::Deadline;
 use crate::experiment::{CELSIUS, Experiment, Start};
 use crate::intake::tests::{AMBIENT, HOUSING, WINDING, column, experiment, reason, unusable, with_inputs};
-use crate::intake::{FAR, check, first_rises};
+use crate::intake::{FAR, check, start::first_rises};
 
 /// Row of the cold run at which the warm one begins.
 const BEGIN: usize = 300;
