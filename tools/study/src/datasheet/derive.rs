@@ -288,8 +288,8 @@ fn check(entry: &Entry, given: &Given) -> Result<(), StudyError> {
 fn by_default(entry: &Entry) -> Given {
     let row = entry.row;
     let source = match row.source {
-        "" => "declared default of the model".to_owned(),
-        source => format!("declared default: {source}"),
+        "" => "default of the model".to_owned(),
+        source => format!("default: {source}"),
     };
     Given {
         name: entry.name.clone(),
