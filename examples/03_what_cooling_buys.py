@@ -18,7 +18,7 @@ ARRANGEMENTS = {
     "40 mm annulus, pushed": {"cooling_mode": "annulus_push", "annulus.outer_diameter": 0.040, "annulus.mass": 0.0155},
     "35 mm annulus, pushed": {"cooling_mode": "annulus_push", "annulus.outer_diameter": 0.035, "annulus.mass": 0.0180},
 }
-# The rig's fit holds for its own rig; the other motor is the datasheet's with declared values.
+# The rig's fit holds for its own rig; the other motor is the datasheet's with default start values.
 MOTORS = {"thesis rig, fitted to its eight tests": "thesis-rig", "datasheet, untuned": "maxon-305015"}
 # Tests of the thesis with the same arrangement.
 TESTS = {

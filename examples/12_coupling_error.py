@@ -21,7 +21,7 @@ SYSTEM = EXAMPLES / "systems" / "actuator-gait.toml"
 SOLUTION = ROOT / "tests" / "reference" / "coupled-ankle" / "joined.csv"
 FIGURE = "coupling-error.svg"
 STEPS = (1e-3, 5e-4, 2.5e-4, 1.25e-4)
-# The joined equations are those of the declared values: no friction of the preset, no compensation for it, and no fan.
+# The joined equations are those of the default start values: no friction of the preset, no compensation for it, and no fan.
 DECLARED = [
     part
     for value in ("motor.effect.coulomb_friction.tau_c=0", "actuator.control.tau_c=0", "motor.fan_command=0")

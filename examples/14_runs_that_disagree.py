@@ -143,7 +143,7 @@ def page(answer: dict) -> str:
         fill(f"""In {len(disagree)} of {len(answer["splits"])} splits a fit with sensor noise alone predicts left-out fit runs worse than the
         preset. The disagreement is then added to the noise ([method](close-the-loop.md#method)); parameters that the runs do not
         determine stay near their priors. Two thermocouples at one winding that differ by a factor of {factors} limit every prediction for these runs: a model with one winding
-        temperature cannot follow both, and a black box that follows them has no reason to do so in the next run. The
+        temperature cannot follow both, and a black box fitted to these runs can follow both thermocouples, but this does not carry over to the next run. The
         resistance of each phase during the run would measure the mean temperature of its copper and would show which thermocouple is the outlier."""),
     ]
     return "\n\n".join(parts) + "\n"

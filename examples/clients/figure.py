@@ -126,7 +126,7 @@ def _temperatures(panel, runs):
 
 
 def operating_ranges(motors: dict, path):
-    """Operating ranges as catalogues draw them, a panel for each motor: speed-torque line, continuous torque, printed nominal point."""
+    """Operating ranges as catalogues draw them, a panel for each motor: speed-torque line, continuous torque, nominal point of the catalogue."""
     with plt.rc_context(STYLE):
         columns = 2
         rows = -(-len(motors) // columns)
@@ -146,7 +146,7 @@ def operating_ranges(motors: dict, path):
             panel.plot([0, at], [m["no_load_speed_rpm"], m["no_load_speed_rpm"] - slope * at], color=GREY, label="speed-torque line at nominal voltage")
             low, high = 0.9 * m["printed_mNm"], 1.1 * m["printed_mNm"]
             panel.plot([low, high], [m["nominal_speed_rpm"]] * 2, color=RED, lw=1.0)
-            panel.plot([m["printed_mNm"]], [m["nominal_speed_rpm"]], "o", color=RED, ms=5, label="printed nominal point, ±10 %")
+            panel.plot([m["printed_mNm"]], [m["nominal_speed_rpm"]], "o", color=RED, ms=5, label="nominal point of the catalogue, ±10 %")
             panel.set(title=name, xlabel="torque in mN·m", ylabel="speed in rpm", xlim=(0, widest), ylim=(0, None))
         handles, labels = grid.flat[0].get_legend_handles_labels()
         legend = canvas.legend(handles, labels, loc="outside lower left")

@@ -33,7 +33,7 @@ def program() -> Path:
 
 
 def archive(model: str, fmi: int = 2) -> Path:
-    """The packed FMU of a model with its declared start values, for FMI `fmi` (2 or 3)."""
+    """The packed FMU of a model with its default start values, for FMI `fmi` (2 or 3)."""
     path = _HERE / "archives" / f"fmi{fmi}" / f"{model}.fmu"
     if not path.is_file():
         known = ", ".join(sorted(p.stem for p in (_HERE / "archives" / "fmi2").glob("*.fmu")))

@@ -81,7 +81,7 @@ def test_the_binary_starts_at_what_its_description_says(archive):
 
 @pytest.mark.parametrize("fmi", STANDARDS, ids=lambda fmi: f"fmi{fmi}")
 def test_a_preset_adds_its_values_and_nothing_else(archives, fmi):
-    """dist/ holds the declared start values; the motor that walks has those of its preset, in the library too. Each has the voltage of its
+    """dist/ holds the default start values; the motor that walks has those of its preset, in the library too. Each has the voltage of its
     own default experiment."""
     start = {name: float(v.start) for name, v in archives[fmi].variables.items() if v.causality in ("parameter", "input")}
     assert start["effect.coulomb_friction.tau_c"] == 0.0 and start["conductance.G_forced"] == 0.113

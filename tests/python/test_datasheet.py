@@ -136,7 +136,7 @@ def test_it_asks_on_a_terminal(program, tmp_path):
     while child.poll() is None and time.monotonic() < deadline:
         byte = os.read(child.stderr.fileno(), 1)
         question += byte
-        if question.endswith(b": ") and question not in (b"source: ", b"Printed values: "):
+        if question.endswith(b": ") and question not in (b"source: ", b"Datasheet values: "):
             asked = question.decode()
             os.write(primary, (next((a for q, a in answers.items() if asked.startswith(q)), "") + "\n").encode())
             question = b""

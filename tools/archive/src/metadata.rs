@@ -80,7 +80,7 @@ fn model(native: &Native<'_>, made_of: MadeOf<'_>) -> Vec<(String, String)> {
     match made_of.preset {
         Some(preset) => entries
             .extend([("preset", preset.name.clone()), ("preset description", preset.description.clone())]),
-        None => entries.push(("preset", "none: declared start values".to_owned())),
+        None => entries.push(("preset", "none: default start values".to_owned())),
     }
     entries.extend(made_of.terms.map(|terms| ("terms from data", terms.to_string())));
     entries.extend(made_of.load.map(|source| ("load table", source.to_owned())));

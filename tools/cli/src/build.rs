@@ -26,7 +26,7 @@ pub enum Which {
     Both,
 }
 
-/// Writes <out>/fmi2/<Model>.fmu and <out>/fmi3/<Model>.fmu and validates them.
+/// Build FMUs, <out>/fmi2/<Model>.fmu and <out>/fmi3/<Model>.fmu, and validate them.
 #[derive(clap::Args)]
 pub struct Args {
     /// Models to build [default: all].

@@ -33,7 +33,7 @@ use std::time::Duration;
 ///
 /// Writes report.json and report.html, residuals.csv, preset.toml with the calibrated values, effects.json with the terms that were added, and
 /// the FMUs of both standards, which are then run on the data.
-/// Exit code 0 for a verdict; 1 if the data are unusable, the errors (RMSE) of an FMU differ from the report or the validator finds errors in it.
+/// Exit code 0 for every verdict except `unusable`; 1 if the data are unusable, the errors (RMSE) of an FMU differ from the report or the validator finds errors in it.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]

@@ -43,7 +43,8 @@ pub struct Args {
     #[arg(long, value_name = "R")]
     tolerance: Option<f64>,
     /// Step components at the same time in N threads, with `jacobi` and `jacobi-delayed`. The results are the same bits. Faster where
-    /// a step of a component takes more than about 20 us; the FMUs must not share data, as some do that are made of one library
+    /// a step of a component takes more than about 20 us. Do not use with FMUs whose instances share global data; the FMUs of this
+    /// project share none
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
     /// Record every N-th communication point [default: the least of 1, 2, 5, 10, ... for 100,000 rows at most]

@@ -1,4 +1,4 @@
-//! `motor-fmu info`: what an FMU or a preset is.
+//! `motor-fmu info`: properties of an FMU or a preset.
 
 use crate::variables::{Row, Subject, short};
 use crate::{Failure, say, say_json};
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Say what an FMU or a preset is: model, standard, interface types, start values that differ from the defaults, sources
+/// Show model, standard, interface types, changed start values and sources of an FMU or a preset
 #[derive(clap::Args)]
 pub struct Args {
     /// FMU, file or name of a preset, or name of a model

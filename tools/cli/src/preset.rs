@@ -26,14 +26,14 @@ enum Preset {
     New(New),
 }
 
-/// Write a preset of AnnulusCooledMotor from what a datasheet prints
+/// Write a preset of AnnulusCooledMotor from datasheet values
 ///
-/// The printed values come from the options, from a TOML file (--from), or, on a terminal, from questions. A number without
+/// The values come from the options, from a TOML file (--from), or, on a terminal, from questions. A number without
 /// unit is in the unit of the option; any unit of the quantity may be given: --torque-constant "8.54 oz-in/A".
 ///
-/// The command lists each start value with its source (printed, derived with the formula, estimated) and each parameter that keeps
-/// its default with the source of the default. It compares all printed values that determine each other; values that contradict each other
-/// or that no motor has are listed with the numbers, and the exit code is then 1. The preset is written in both cases.
+/// The command lists each start value with its source (datasheet, derived with the formula, estimated) and each parameter that keeps
+/// its default with the source of the default. It compares all datasheet values that determine each other; values that contradict each
+/// other or that no motor has are listed with the numbers, and the exit code is then 1. The preset is written in both cases.
 #[derive(clap::Args)]
 struct New {
     /// Name of the preset
@@ -42,7 +42,7 @@ struct New {
     /// One line about the motor
     #[arg(long, value_name = "TEXT")]
     description: Option<String>,
-    /// Where the values are printed: document, edition, page
+    /// Source of the values: document, edition, page
     #[arg(long, value_name = "TEXT")]
     source: Option<String>,
     /// Datasheet as TOML: name, description, source and a table [datasheet] with the names of the options below, with underscores
@@ -80,7 +80,7 @@ impl clap::Args for Printed {
         QUANTITIES.iter().fold(command, |command, q| {
             let arg = Arg::new(q.key).long(q.flag()).value_name(q.unit).help(q.words);
             let arg = arg.visible_aliases(q.other_flags());
-            command.arg(arg.help_heading("Printed values"))
+            command.arg(arg.help_heading("Datasheet values"))
         })
     }
 
@@ -147,9 +147,9 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         say(&summary(&draft));
         let lines = findings(&contradictions, &implausible);
         say(&match lines.is_empty() {
-            true if is_comparable(&sheet) => "consistency: the printed values agree\n".to_owned(),
-            true => "consistency: not checked, no printed value follows from the others\n".to_owned(),
-            false => format!("consistency: the printed values do not agree\n  {}\n", lines.join("\n  ")),
+            true if is_comparable(&sheet) => "consistency: the datasheet values agree\n".to_owned(),
+            true => "consistency: not checked, no datasheet value follows from the others\n".to_owned(),
+            false => format!("consistency: the datasheet values do not agree\n  {}\n", lines.join("\n  ")),
         });
     }
     Ok(crate::outcome(consistent))
@@ -175,7 +175,7 @@ fn ask(sheet: &mut Datasheet) -> Result<(), Failure> {
         sheet.source = question("source: document, edition, page")?;
     }
     complain(
-        "Printed values: a number in the unit shown or with another unit; an empty line where nothing is printed.",
+        "Datasheet values: a number in the stated unit or with another unit; an empty line if the datasheet has no value.",
     );
     for quantity in QUANTITIES {
         while sheet.value(quantity.key).is_none() {
@@ -202,7 +202,7 @@ fn summary(draft: &Draft) -> String {
         format!("  {:width$}  {value:18} {}\n", v.name, v.source)
     };
     for (certainty, heading) in [
-        (Certainty::Datasheet, "printed"),
+        (Certainty::Datasheet, "datasheet"),
         (Certainty::Derived, "derived"),
         (Certainty::Estimate, "estimated"),
     ] {

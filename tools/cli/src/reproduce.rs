@@ -10,7 +10,7 @@ use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// A published system.
+/// A publication.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum Which {
     /// Thesis: EC-4pole motor with fan and annulus
@@ -19,7 +19,7 @@ pub enum Which {
     Paper,
 }
 
-/// Recompute every number of a published system: published, recomputed by the published equations, corrected, measured.
+/// Recompute every number of a publication: published, recomputed by the published equations, corrected, measured.
 ///
 /// Where the corrected value comes from a fitted model, the table marks it: "fitted" if the published value was used in the fit,
 /// "predicted" if it was not.

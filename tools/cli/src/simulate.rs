@@ -11,9 +11,9 @@ use std::path::PathBuf;
 /// Messages of the FMU that are printed at most.
 const MAX_MESSAGES: usize = 5;
 
-/// Simulate one FMU (FMI 2.0 or 3.0, Co-Simulation or Model Exchange), of this product or any other.
+/// Simulate one FMU (FMI 2.0 or 3.0, Co-Simulation or Model Exchange), of this project or of another tool.
 ///
-/// Values set without effect in the selected modes are named on stderr; for FMUs of this product only.
+/// Values set without effect in the selected modes are named on stderr; for FMUs of this project only.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The FMU
@@ -34,7 +34,7 @@ pub struct Args {
     /// Interface type; auto takes Co-Simulation where the FMU has it
     #[arg(long, value_enum, default_value_t = Interface::Auto)]
     interface: Interface,
-    /// Relative tolerance, given to the FMU and kept by the solver of Model Exchange [default: that of the FMU, else 1e-6]
+    /// Relative tolerance, passed to the FMU and used by the solver for Model Exchange [default: that of the FMU, else 1e-6]
     #[arg(long, value_name = "R")]
     tolerance: Option<f64>,
     /// Record this variable, too; local variables and parameters are not recorded otherwise. May be repeated

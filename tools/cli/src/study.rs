@@ -71,14 +71,14 @@ impl Start {
     }
 }
 
-/// Thermal steady state, and the continuous torque at the winding's temperature limit.
+/// Compute the thermal steady state and the continuous torque at the winding's temperature limit.
 ///
 /// Modes that are not set follow from the inputs: electrical_power selects drive_mode power, current_command
 /// current, voltage voltage, duty pwm; without any of them a motor with imposed_speed carries no current. The shaft turns at imposed_speed, 0 if not set, unless load_torque is set.
 /// Notes on stderr, and in JSON, name values that have no effect in the selected modes.
 ///
 /// With --load the motor drives an actuator on a walking joint: periodic steady state, time to the winding's limit from a
-/// cold start, and the continuous support, the fraction of the biological torque that can be given continuously. The
+/// cold start, and the continuous support, the fraction of the biological torque that the actuator can deliver continuously. The
 /// control's motor data follow from the motor unless they are set. A name in --set belongs to the first of motor, actuator
 /// and gait that has it.
 #[derive(clap::Args)]

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Checks FMUs of FMI 2.0 and 3.0, statically and by running them.
+/// Check FMUs of FMI 2.0 and 3.0 statically and by running them.
 ///
-/// Exit code 0: no errors. 1: a breach of the standard or of the FMU's own declarations. 2: not readable.
+/// Exit code 0: no errors. 1: the FMU violates the standard or its own declarations, or its archive is dangerous. 2: it cannot be read.
 #[derive(clap::Args)]
 pub struct Args {
     /// The FMUs.

@@ -60,7 +60,7 @@ pub struct Item {
 
 /// What a name or a file means.
 pub enum Subject {
-    /// A model at its declared start values.
+    /// A model at its default start values.
     Model(&'static ModelType),
     /// A preset, built in or from this file.
     Preset(Preset, Option<PathBuf>),

@@ -1,6 +1,6 @@
 //! Delimited text (CSV) as loggers and spreadsheets write it.
 //!
-//! The encoding is UTF-8, UTF-16 with a byte order mark, or else Windows-1252. Columns are separated by semicolons, tabulators or commas:
+//! The encoding is UTF-8, UTF-16 with a byte order mark, or else Windows-1252. Columns are separated by semicolons, tabs or commas:
 //! the first of these that the header has. Where that is not the comma, numbers may have a decimal comma. Blank lines and lines
 //! that begin with `#` do not count. Blank cells behind the last named column do not count either. Thousands separators are refused where
 //! they cannot be distinguished from a decimal mark by one number alone, but by those of the column ([`Table::grouped`]).

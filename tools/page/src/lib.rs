@@ -1,4 +1,4 @@
-//! A page to try motors in a browser. The same native models and studies as in `motor-fmu` run there as WebAssembly; one HTML file holds
+//! Interactive motor page in a browser. The same native models and studies as in `motor-fmu` run there as WebAssembly; one HTML file holds
 //! everything and needs no network.
 //!
 //! ```text

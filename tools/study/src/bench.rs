@@ -35,7 +35,7 @@ impl Clone for Bench {
 }
 
 impl Bench {
-    /// The model of this name at its declared start values, or at those of a preset for it.
+    /// The model of this name at its default start values, or at those of a preset for it.
     ///
     /// # Errors
     /// No such model, or a preset for another model.

@@ -77,7 +77,7 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         toolchain: Option<PathBuf>,
     },
-    /// Compile the models for WebAssembly and write dist/page.html, a page to try motors.
+    /// Compile the models for WebAssembly and write dist/page.html, the interactive motor page.
     Page(Force),
     /// Pack a Python wheel with the program, the FMUs and the package motor_fmu into dist/.
     Wheel,

@@ -13,7 +13,7 @@ pub fn build(workspace: &Workspace) -> Outcome {
     shell::run(&mut workspace.cargo(&["build", "--release", "--workspace"]))
 }
 
-/// Builds the archives into dist/ with the declared start values, and those of the walking examples into dist/presets/PRESET/.
+/// Builds the archives into dist/ with the default start values, and those of the walking examples into dist/presets/PRESET/.
 pub fn archives(workspace: &Workspace) -> Outcome {
     shell::run(motor_fmu(workspace).args(["build", "--out"]).arg(workspace.dist()))?;
     let (models, preset) = WALKING;

@@ -70,7 +70,7 @@ pub struct Draft {
     pub model: &'static str,
     /// One line about the motor.
     pub description: String,
-    /// Where the values are printed.
+    /// Source of the values.
     pub datasheet: String,
     /// The start values, and the parameters that stay at their defaults.
     pub values: Vec<Given>,
@@ -145,7 +145,7 @@ impl Draft {
     pub fn toml(&self) -> String {
         let mut text = String::new();
         let _ = writeln!(text, "{HEADER} {}.", self.source());
-        text += "# Each comment begins with how sure the value is: datasheet = printed in that source; derived = computed from printed\n\
+        text += "# Each comment begins with how sure the value is: datasheet = value of that source; derived = computed from such\n\
                  # values as stated; estimate = a rule as stated. Parameters that are not named keep the defaults at the end.\n";
         let _ = writeln!(text, "name = {}", quoted(&self.name));
         let _ = writeln!(text, "model = {}", quoted(self.model));
@@ -288,8 +288,8 @@ fn check(entry: &Entry, given: &Given) -> Result<(), StudyError> {
 fn by_default(entry: &Entry) -> Given {
     let row = entry.row;
     let source = match row.source {
-        "" => "declared default of the model".to_owned(),
-        source => format!("declared default: {source}"),
+        "" => "default of the model".to_owned(),
+        source => format!("default: {source}"),
     };
     Given {
         name: entry.name.clone(),

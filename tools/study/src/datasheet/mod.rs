@@ -73,7 +73,7 @@ pub struct Datasheet {
     pub name: String,
     /// One line about the motor.
     pub description: String,
-    /// Where the values are printed.
+    /// Source of the values.
     pub source: String,
     /// The values, in the order of [`QUANTITIES`], each quantity once.
     pub values: Vec<Value>,

@@ -227,7 +227,7 @@ pub const QUANTITIES: &[Quantity] = &[
         .is("25 degC + R_hot I_N^2 (R_wh + R_ha) + k_t I_0 w_N R_ha", |m, rise| m.rise(rise))
         .within(0.08)
         .also(&["max_rotor_temperature", "max_coil_temperature"]),
-    printed("reference_temperature", "temperature of the printed values", "degC", "K"),
+    printed("reference_temperature", "reference temperature of the datasheet values", "degC", "K"),
     printed("pole_pairs", "number of pole pairs", "1", "1"),
     printed("poles", "number of poles", "1", "1").also(&["pole_number", "number_of_poles"]),
     printed("mass", "mass (weight) of the motor", "g", "kg").also(&["weight"]),

@@ -151,11 +151,11 @@ fn all_rows(rows: &[Row]) -> Markup {
     html! {
         h2 { "Published numbers" }
         p {
-            "Published: as printed. Recomputed: by the published equations and inputs. Corrected: by the right equations and the \
+            "Published: value in the publication. Recomputed: by the published equations and inputs. Corrected: by the right equations and the \
              inputs that were used; \"fitted\" where a model's parameters were fitted to the published value, \"predicted\" where \
              they were not."
             @if rows.iter().any(|row| row.leave_one_out.or(row.untuned).is_some()) {
-                " Leave-one-out: the model fitted to the other tests. Untuned: the model with declared values."
+                " Leave-one-out: the model fitted to the other tests. Untuned: the model with default start values."
             }
         }
         p { label { "Verdict " select id="verdict" {

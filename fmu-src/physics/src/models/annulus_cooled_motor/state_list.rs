@@ -34,7 +34,7 @@ states! {
         "state.energy_mechanical" = State::new(715, 815, Unit::Joule).unbounded().nominal(1000.0, 100.0),
         /// Heat to ambient and coolant since the start, fan power excluded
         "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).unbounded().nominal(1000.0, 10.0),
-        /// Lagged driver of each term of resources/effects.json, over a typical size of the driver; constant without a lag
+        /// Lagged driver of each term of resources/effects.json, divided by a typical value of the driver; constant without a lag
         "state.term_lag" = State::new(717, 817, Unit::One).elements(Elements::Fixed(3)),
         /// Temperature of each segment of the housing, from the air inlet on; constant in cooling_mode
         /// conductance, except the first with effect.stator_node, which is then the whole housing
