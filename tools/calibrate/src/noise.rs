@@ -76,23 +76,22 @@ pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
     if sigma > 0.0 {
         return Some(sigma);
     }
-    // A logger with sample-and-hold has a new reading at a constant number of rows; a command may be constant for any number of rows.
-    let mut new: Vec<(f64, f64)> = Vec::new();
-    let mut held: Vec<usize> = Vec::new();
-    for (k, reading) in known.iter().enumerate() {
-        if k == 0 || reading.1 != known[k - 1].1 {
-            new.push(*reading);
-            held.push(0);
-        }
-        if let Some(last) = held.last_mut() {
-            *last += 1;
-        }
-    }
-    let mut sorted = held.clone();
+    let values: Vec<f64> = known.iter().map(|reading| reading.1).collect();
+    let Some(held) = held(&values) else { return Some(0.0) };
+    let new: Vec<(f64, f64)> = known.iter().zip(held).filter(|(_, held)| !held).map(|(r, _)| *r).collect();
+    of_readings(&new).or(Some(0.0))
+}
+
+/// Which readings repeat the one before, if a logger with sample-and-hold has a new one at a constant number of rows; a command may be
+/// constant for any number of rows.
+pub fn held(values: &[f64]) -> Option<Vec<bool>> {
+    let held: Vec<bool> = (0..values.len()).map(|k| k > 0 && values[k] == values[k - 1]).collect();
+    let lengths: Vec<usize> = values.chunk_by(|a, b| a == b).map(|run| run.len()).collect();
+    let mut sorted = lengths.clone();
     sorted.sort_unstable();
-    let usual = sorted[sorted.len() / 2];
-    let regular = held.iter().filter(|h| **h == usual).count() as f64 >= NEARLY * held.len() as f64;
-    if (2..=LONGEST).contains(&usual) && regular { of_readings(&new).or(Some(0.0)) } else { Some(0.0) }
+    let usual = *sorted.get(sorted.len() / 2)?;
+    let regular = lengths.iter().filter(|h| **h == usual).count() as f64 >= NEARLY * lengths.len() as f64;
+    ((2..=LONGEST).contains(&usual) && regular).then_some(held)
 }
 
 /// Whether nearly all readings of a column differ from the one before: neither held by a slower sensor nor coarsely quantised.

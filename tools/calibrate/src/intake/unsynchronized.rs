@@ -17,7 +17,7 @@ use super::{Predicted, all_runs, median, predicted};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::Experiment;
-use crate::levels::{AT_NOISE, FACTOR};
+use crate::levels::{FACTOR, SURE};
 use crate::noise;
 use crate::report::count_of;
 use nalgebra::{DMatrix, DVector};
@@ -41,6 +41,9 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
     if fast.is_empty() {
         return;
     }
+    for run in 0..experiment.runs.len() {
+        fast.iter().for_each(|output| without_repeats(experiment, run, *output));
+    }
     let predicted: Predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
     for (run, model) in predicted.iter().enumerate() {
         for &output in &fast {
@@ -50,14 +53,33 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
             rows.iter().for_each(|row| own.table.columns[column][*row] = f64::NAN);
             experiment.notes.push(format!(
                 "{}: {channel} does not follow the inputs at the same row, but up to {} s earlier or {} s later, as behind a \
-                 filter or a hold, or on another clock: this channel, or an input; {} around changes of the load set aside",
+                 filter or a hold, or on another clock: this channel, or an input; {} around changes of the load {} set aside",
                 own.file,
                 converted(span[0]),
                 converted(span[1]),
-                count_of(rows.len(), "reading")
+                count_of(rows.len(), "reading"),
+                if rows.len() == 1 { "is" } else { "are" }
             ));
         }
     }
+}
+
+/// Sets aside readings that a slower instrument repeats: each is of the time of its first row.
+fn without_repeats(experiment: &mut Experiment, run: usize, output: usize) {
+    let (place, channel) = (experiment.place_of(output), experiment.outputs[output].column);
+    let own = &mut experiment.runs[run];
+    let column = &mut own.table.columns[place];
+    let known: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
+    let values: Vec<f64> = known.iter().map(|row| column[*row]).collect();
+    let Some(held) = noise::held(&values) else { return };
+    known.iter().zip(held).filter(|(_, held)| *held).for_each(|(row, _)| column[*row] = f64::NAN);
+    let new = column.iter().filter(|x| x.is_finite()).count();
+    experiment.notes.push(format!(
+        "{}: {channel} has a new reading in {} of {} only; the repeated ones are set aside",
+        own.file,
+        count_of(new, "row"),
+        known.len()
+    ));
 }
 
 /// Rows whose readings belong to other times, and the greatest distance before and after a row from which they are, s.
@@ -134,29 +156,40 @@ impl Readings {
         Some(gain > LEAST && fraction.abs() > MAJORITY)
     }
 
-    /// The fewest rows around changes without which the others agree with their inputs as well as without any more, if they agree much
-    /// better than these.
+    /// The fewest rows around changes without which the others agree with their inputs as well as without any more; all rows, if these still
+    /// follow the inputs of other times. `None` if no row agrees much better than the others.
     fn around(&self, taps: &[Tap], step: f64, q: &[f64]) -> Option<Found> {
         let noise = [&self.y[..], q].map(|of| noise::of_column(&self.time, of));
         let noise: f64 = noise.iter().flatten().map(|sigma| sigma * sigma).sum();
         let sides = || [0.0].into_iter().chain(TIMES).map(|times| times * step);
         let spans = sides().flat_map(|before| sides().map(move |after| [before, after]));
-        let mut tried: Vec<(f64, f64, Vec<usize>, [f64; 2])> = Vec::new();
+        let mut tried: Vec<(f64, Vec<usize>, Vec<usize>, [f64; 2])> = Vec::new();
         for span in spans {
             let is_in = |tap: &&Tap| (-span[1]..=span[0]).contains(&tap.tau);
             let is_around = |row: &usize| taps.iter().filter(is_in).any(|tap| tap.change[*row] != 0.0);
             let (aside, kept): (Vec<usize>, Vec<usize>) = (0..self.rows.len()).partition(is_around);
             if kept.len() as f64 >= LEFT * self.rows.len() as f64 && !aside.is_empty() {
                 let at_rest = fitted(&self.levels, &self.y, &kept)?;
-                let [of_kept, of_aside] = [&kept, &aside].map(|rows| mean_square(&self.y, &at_rest, rows));
-                tried.push((of_kept, of_aside, aside, span));
+                tried.push((mean_square(&self.y, &at_rest, &kept), aside, kept, span));
             }
         }
         let least = tried.iter().map(|one| one.0).fold(f64::INFINITY, f64::min).max(noise);
-        let as_good = tried.into_iter().filter(|one| one.0 <= AT_NOISE * least);
-        let (of_kept, of_aside, aside, span) = as_good.min_by_key(|one| one.2.len())?;
+        // The mean square of n readings is known to sqrt(2 / n).
+        let is_as_good =
+            |of_kept: f64, kept: &[usize]| of_kept <= (1.0 + SURE * (2.0 / kept.len() as f64).sqrt()) * least;
+        let as_good = tried.into_iter().filter(|one| is_as_good(one.0, &one.2));
+        let (of_kept, aside, kept, span) = as_good.min_by_key(|one| one.1.len())?;
+        let columns: Vec<&Vec<f64>> = self.levels.iter().chain(taps.iter().map(|tap| &tap.change)).collect();
+        let full = sum_of(&columns, &solved(&columns, &self.y, &kept)?, self.rows.len());
+        if mean_square(&self.y, &full, &kept) < MAJORITY * of_kept {
+            return Some(Found { rows: self.rows.clone(), span });
+        }
+        let at_rest = fitted(&self.levels, &self.y, &kept)?;
+        if mean_square(&self.y, &at_rest, &aside) < FACTOR.powi(2) * of_kept {
+            return None;
+        }
         let rows = aside.iter().map(|k| self.rows[*k]).collect();
-        (of_aside > FACTOR.powi(2) * of_kept).then_some(Found { rows, span })
+        Some(Found { rows, span })
     }
 }
 
@@ -189,7 +222,8 @@ fn solved(columns: &[&Vec<f64>], y: &[f64], rows: &[usize]) -> Option<Vec<f64>> 
     let y = DVector::from_iterator(rows.len(), rows.iter().map(|row| y[*row]));
     let mut normal = x.tr_mul(&x);
     for k in 0..normal.nrows() {
-        normal[(k, k)] *= 1.0 + RIDGE;
+        // A column without changes gets the weight 0.
+        normal[(k, k)] = if normal[(k, k)] > 0.0 { normal[(k, k)] * (1.0 + RIDGE) } else { 1.0 };
     }
     Some(normal.cholesky()?.solve(&x.tr_mul(&y)).iter().copied().collect())
 }
@@ -258,7 +292,7 @@ mod tests {
             let wrong = column(&mut data, k).clone();
             let [volts, torque] = aside(&mut data);
             let (own, other) = if k == TORQUE { (torque, volts) } else { (volts, torque) };
-            assert!(own > 20 && own < 800 && other == 0, "{n}: {own} {other} {:?}", data.notes);
+            assert!(own > 20 && other == 0, "{n}: {own} {other} {:?}", data.notes);
             // What is left is right.
             let step = 0.2 * crate::intake::response::spread(&right);
             let left =
