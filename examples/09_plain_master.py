@@ -1,7 +1,7 @@
 """Motor, actuator and gait coupled by a plain master in fmpy alone: a starting point for own scripts.
 
 Every step: read all outputs, set the connected inputs, step all FMUs (Jacobi, constant inputs). `motor-fmu cosim examples/systems/actuator-gait.toml
---algorithm jacobi-delayed --no-slopes` gives the same bits, and without these two options a more accurate result in a fraction of the time.
+--algorithm jacobi-delayed --no-input-derivatives` gives the same bits, and without these two options a more accurate result in a fraction of the time.
 """
 
 import json

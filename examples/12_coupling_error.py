@@ -28,9 +28,9 @@ DECLARED = [
     for part in ("--set", value)
 ]
 MASTERS = {
-    "jacobi, constant inputs": ("--algorithm", "jacobi", "--no-slopes"),
+    "jacobi, constant inputs": ("--algorithm", "jacobi", "--no-input-derivatives"),
     "jacobi, input derivatives": ("--algorithm", "jacobi"),
-    "gauss-seidel, constant inputs": ("--algorithm", "gauss-seidel", "--no-slopes"),
+    "gauss-seidel, constant inputs": ("--algorithm", "gauss-seidel", "--no-input-derivatives"),
     "gauss-seidel, input derivatives": ("--algorithm", "gauss-seidel"),
 }
 

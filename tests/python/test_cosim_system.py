@@ -134,7 +134,7 @@ def test_the_documented_energies_are_those_of_the_example(cosim, motor_fmu, toml
         for digits, value in zip(line, (1e-3 * bond["throughput_J"], 100.0 * bond["share"], 100.0 * bond["gross_share"])):
             places = len(digits.split(".")[1])
             assert round(value, places) == pytest.approx(float(digits), abs=1.01 * 10.0**-places), (digits, bond)
-    held = cosim(toml, "--stop", "600", "--no-slopes")["energy"][0]
+    held = cosim(toml, "--stop", "600", "--no-input-derivatives")["energy"][0]
     assert f"of the first bond is {100.0 * held['share']:.1f} %" in part
     done = motor_fmu("cosim", toml, "--stop", "1900")
     at = re.search(r"ends at t = (\d+) s", part.replace("\n", " "))
@@ -148,7 +148,7 @@ def test_held_inputs_lose_what_slopes_keep(cosim, toml):
         bonds = cosim(toml, "--stop", "8", "--step", str(step), *further)["energy"]
         return next(bond for bond in bonds if bond["forth"].startswith("gait."))["gross_share"]
 
-    held = [joint(step, "--no-slopes") for step in (1e-3, 2.5e-4)]
+    held = [joint(step, "--no-input-derivatives") for step in (1e-3, 2.5e-4)]
     sloped = [joint(step) for step in (1e-3, 2.5e-4)]
     assert held[0] / held[1] == pytest.approx(4.0, rel=0.15)
     assert sloped[0] / sloped[1] == pytest.approx(16.0, rel=0.25)
@@ -214,7 +214,7 @@ def test_fmpy_s_own_master_runs_it(cosim, ssp, tmp_path):
 
     def apart(step):
         theirs = simulate_ssp(str(ssp), stop_time=3.0, step_size=step)
-        cosim(ssp, "--stop", "3", "--step", step, "--algorithm", "jacobi-delayed", "--no-slopes", "--output", out)
+        cosim(ssp, "--stop", "3", "--step", step, "--algorithm", "jacobi-delayed", "--no-input-derivatives", "--output", out)
         ours = {round(float(row["time"]) / step): row for row in rows(out)}
         far = 0.0
         for row in theirs:
@@ -241,10 +241,10 @@ def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
     """With constant inputs FMI 3 gives the bits of FMI 2. Standards can be mixed. FMI 3 takes input derivatives in intermediate update
     mode: its coupling energy residuals are those of FMI 2, and decrease with the square of the step."""
     held, three = (tmp_path / f"{name}.csv" for name in ("held", "three"))
-    cosim(toml, "--stop", "2", "--no-slopes", "--output", held)
+    cosim(toml, "--stop", "2", "--no-input-derivatives", "--output", held)
     fmi3 = tmp_path / "fmi3.toml"
     fmi3.write_text(description.replace("/fmi2/", "/fmi3/"))
-    assert cosim(fmi3, "--stop", "2", "--no-slopes", "--output", three)["slopes"] is False
+    assert cosim(fmi3, "--stop", "2", "--no-input-derivatives", "--output", three)["slopes"] is False
     assert shared(three, held) == shared(held, held)
 
     def residuals(system, step):
@@ -263,7 +263,7 @@ def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
         assert final[name] == pytest.approx(final_2[name], rel=1e-4)
     mixed = tmp_path / "mixed.toml"
     mixed.write_text(description.replace("/fmi2/GaitLoad", "/fmi3/GaitLoad"))
-    cosim(mixed, "--stop", "2", "--no-slopes", "--output", three)
+    cosim(mixed, "--stop", "2", "--no-input-derivatives", "--output", three)
     assert three.read_bytes() == held.read_bytes()
 
 
@@ -275,7 +275,7 @@ def shared(file, columns_of):
         return [[row[name] for name in names] for row in csv.DictReader(rows)]
 
 
-@pytest.mark.parametrize("further", [(), ("--algorithm", "jacobi-delayed", "--no-slopes"), ("--tolerance", "1e-3")])
+@pytest.mark.parametrize("further", [(), ("--algorithm", "jacobi-delayed", "--no-input-derivatives"), ("--tolerance", "1e-3")])
 def test_threads_change_no_bit(motor_fmu, toml, tmp_path, further):
     rows = []
     for threads in (1, 2):

@@ -1,6 +1,6 @@
 """libcosim opens the SSP files of this project and gives the same bits as the native master with the same algorithm.
 
-libcosim reads outputs once after each step and keeps inputs constant: `--algorithm jacobi-delayed --no-slopes`. It counts whole
+libcosim reads outputs once after each step and keeps inputs constant: `--algorithm jacobi-delayed --no-input-derivatives`. It counts whole
 nanoseconds, so the step is a power of two that is a whole number of nanoseconds.
 """
 
@@ -38,7 +38,7 @@ def test_the_same_bits(motor_fmu, tmp_path, parameter):
     assert made.returncode == 0, made.stderr
     step = STEP_NS * 1e-9
     times = ("--stop", repr(STEPS * step), "--step", repr(step))
-    done = motor_fmu("cosim", "walk.ssp", *times, "--algorithm", "jacobi-delayed", "--no-slopes", "--output", "ours.csv")
+    done = motor_fmu("cosim", "walk.ssp", *times, "--algorithm", "jacobi-delayed", "--no-input-derivatives", "--output", "ours.csv")
     assert done.returncode == 0, done.stderr
     with (tmp_path / "ours.csv").open(newline="") as file:
         ours = [[float(row[f"{component}.{name}"]) for component, name in READ] for row in csv.DictReader(file)]
@@ -64,7 +64,7 @@ def test_a_minute_of_walking_takes_no_longer(motor_fmu, program, tmp_path):
     assert motor_fmu("ssp", "walk.toml").returncode == 0
     environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
     steps, ssp = 60 * 512, str(tmp_path / "walk.ssp")
-    options = ("--algorithm", "jacobi-delayed", "--no-slopes", "--stop", "60", "--step", repr(STEP_NS * 1e-9))
+    options = ("--algorithm", "jacobi-delayed", "--no-input-derivatives", "--stop", "60", "--step", repr(STEP_NS * 1e-9))
     theirs = [sys.executable, __file__, ssp, str(tmp_path / "rows.json"), str(steps)]
     assert processor_time([program, "cosim", ssp, *options], environment) < processor_time(theirs, environment)
 

@@ -131,7 +131,7 @@ def simulate(program, archive, drive, folder):
         writer.writerows([repr(k * drive.step), *map(repr, drive.at(k).values())] for k in range(drive.steps))
     settings = [item for name, value in drive.parameters.items() for item in ("--set", f"{name}={value!r}")]
     stop = drive.step * drive.steps
-    command = [program, "simulate", archive, "--stop", repr(stop), "--step", repr(drive.step), "--held-inputs", "--input", table]
+    command = [program, "simulate", archive, "--stop", repr(stop), "--step", repr(drive.step), "--no-input-derivatives", "--input", table]
     subprocess.run([*map(str, command), *settings, "--output", str(out)], check=True, capture_output=True, timeout=60)
     with out.open(newline="") as text:
         return [[float(row[name]) for name in drive.outputs] for row in csv.DictReader(text)]

@@ -42,7 +42,7 @@ def with_parameter(system):
 @pytest.fixture
 def ours(motor_fmu, system, tmp_path):
     out = tmp_path / "ours.csv"
-    options = ("--algorithm", "jacobi-delayed", "--no-slopes", "--stop", repr(STEP * STEPS), "--step", repr(STEP))
+    options = ("--algorithm", "jacobi-delayed", "--no-input-derivatives", "--stop", repr(STEP * STEPS), "--step", repr(STEP))
     done = motor_fmu("cosim", system, *options, "--output", out)
     assert done.returncode == 0, done.stderr
     with out.open(newline="") as file:
@@ -89,7 +89,7 @@ def test_ecos_opens_the_archive_and_agrees(ours, with_parameter, motor_fmu, tmp_
 def test_a_minute_of_walking_takes_no_longer_than_in_ecos(system, program, tmp_path):
     subprocess.run([program, "ssp", system, "--out", tmp_path / "ankle.ssp"], check=True, capture_output=True)
     environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
-    options = ("--algorithm", "jacobi-delayed", "--no-slopes", "--stop", "60", "--step", repr(STEP))
+    options = ("--algorithm", "jacobi-delayed", "--no-input-derivatives", "--stop", "60", "--step", repr(STEP))
     ours = [program, "cosim", tmp_path / "ankle.ssp", *options]
     theirs = [sys.executable, __file__, str(tmp_path / "ankle.ssp"), str(tmp_path / "rows.json"), str(round(60 / STEP))]
     assert processor_time(ours, environment) < processor_time(theirs, environment)

@@ -8,6 +8,7 @@
 //!
 //! The model is that of the preset, unfitted; the checks therefore allow for all parameter values within the priors.
 
+mod bursts;
 mod clipped;
 mod clock_jumps;
 mod clocks;
@@ -110,6 +111,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     dead_torque::set_aside(experiment, preset)?;
     first_rows::set_aside(experiment, preset)?;
     misplaced::set_aside(experiment, preset, deadline);
+    bursts::set_aside(experiment, preset, deadline);
     let stated = (experiment.priors.clone(), experiment.released.clone());
     // What the wrong readings asked for is not wanted without them.
     let again = |experiment: &mut Experiment| {

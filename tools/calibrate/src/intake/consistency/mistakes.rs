@@ -363,10 +363,12 @@ const TIMES: [(f64, &str); 8] = [
 /// Longest run of a bench, s. Limit: thirty days; readings that would last longer are in a shorter unit.
 const LONGEST_RUN: f64 = 30.0 * 86_400.0;
 
-/// Mistakes of thermocouples that share a logger.
+/// Mistakes of thermocouples that share a logger. A small factor of a single one is also that of a stem loss of another one.
 fn of_thermocouples(columns: &[usize]) -> Vec<Mistake> {
+    let least = if columns.len() > 1 { 1.0 } else { 1.0 + PART };
+    let types = type_mistakes().into_iter().filter(|(ratio, _)| *ratio > least);
     let of = |(ratio, words)| Mistake::WrongType { columns: columns.to_vec(), ratio, words };
-    let mut found: Vec<Mistake> = type_mistakes().into_iter().map(of).collect();
+    let mut found: Vec<Mistake> = types.map(of).collect();
     found.extend([Mistake::Rise(columns.to_vec()), Mistake::Reversed(columns.to_vec())]);
     found
 }
