@@ -10,6 +10,7 @@
 //! times: 0 for readings at the time of the inputs, 1 behind a filter, negative behind a filter of the input. A missing effect with a lag has
 //! a small fraction. The rows around changes are set aside. The others, before which the load was constant for long enough, are right,
 //! whatever the reason is, which a constant delay ([`super::clocks`]) or the lag of an input (`consistency`) states better.
+//! Most runs must agree, as a filter belongs to the instrument.
 //! *Source*: finite impulse response by least squares: Ljung, System Identification (2nd ed., 1999), ch. 4.2 and 10.1.
 
 use super::clocks::LEAST;
@@ -36,8 +37,8 @@ const LEFT: f64 = 0.2;
 /// Relative addition to the diagonal of the normal equations. Numerical: neighbouring times are nearly collinear.
 const RIDGE: f64 = 1e-4;
 
-/// Sets aside the rows of voltage, current and torque around changes of the load, with a note, in each run in which they belong to other
-/// times.
+/// Sets aside the rows of voltage, current and torque around changes of the load, with a note, in each run in which they belong to
+/// other times.
 pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) {
     let is_imposed = experiment.inputs.iter().any(|c| c.input == Some("imposed_speed"));
     let fast: Vec<usize> = (0..experiment.outputs.len())
@@ -50,15 +51,23 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
         fast.iter().for_each(|output| without_repeats(experiment, run, *output));
     }
     let predicted: Predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
-    for (run, model) in predicted.iter().enumerate() {
-        for &output in &fast {
-            let Some(Found { rows, span }) = found(experiment, model, run, output) else { continue };
-            let (column, channel) = (experiment.place_of(output), experiment.outputs[output].column);
+    for output in fast {
+        let (column, channel) = (experiment.place_of(output), experiment.outputs[output].column);
+        let of = |(run, model): (usize, &Vec<Vec<f64>>)| Some((run, found(experiment, model, run, output)?));
+        let all: Vec<(usize, Found)> = predicted.iter().enumerate().filter_map(of).collect();
+        let is_read = |run: &usize| {
+            experiment.readings(*run, output).iter().filter(|y| y.is_finite()).count() >= ENOUGH
+        };
+        // A filter belongs to the instrument and not to a run.
+        if 2 * all.len() <= all_runs(experiment).iter().filter(|run| is_read(run)).count() {
+            continue;
+        }
+        for (run, Found { rows, span }) in all {
             let own = &mut experiment.runs[run];
             rows.iter().for_each(|row| own.table.columns[column][*row] = f64::NAN);
             experiment.notes.push(format!(
-                "{}: {channel} does not follow the inputs at the same row, but up to {} s earlier or {} s later, as behind a \
-                 filter or a hold, or on another clock: this channel, or an input; {} around changes of the load {} set aside",
+                "{}: {channel} does not follow the inputs at the same row, but up to {} s earlier or {} s later, as behind a filter or a \
+                 hold, or on another clock: this channel, or an input; {} around changes of the load {} set aside",
                 own.file,
                 converted(span[0]),
                 converted(span[1]),
