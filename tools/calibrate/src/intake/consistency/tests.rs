@@ -3,7 +3,7 @@
 use super::mistakes::{Mistake, mistakes};
 use crate::experiment::Experiment;
 use crate::intake::tests::{
-    CURRENT, SPEED, TORQUE, VOLTAGE, WINDING, column, experiment, reason, unusable, with_inputs,
+    CURRENT, HOUSING, SPEED, TORQUE, VOLTAGE, WINDING, column, experiment, reason, unusable, with_inputs,
 };
 use crate::setup::Setup;
 use std::f64::consts::PI;
@@ -60,6 +60,19 @@ fn an_averaged_input_is_unusable() {
         }
     });
     assert_eq!(unusable(&mut ramps), None, "{:?}", ramps.notes);
+}
+
+/// Thermocouples of another type than that of the logger, all or one.
+#[test]
+fn thermocouples_of_another_type_are_unusable() {
+    for (columns, ratio) in [(vec![WINDING, HOUSING], 4.096 / 0.646), (vec![WINDING], 2.774 / 0.647)] {
+        let mut other = experiment(35);
+        for k in columns {
+            column(&mut other, k).iter_mut().for_each(|x| *x = 296.15 + ratio * (*x - 296.15));
+        }
+        let reason = reason(&mut other);
+        assert!(reason.starts_with("winding") && reason.contains("thermocouple of type"), "{reason}");
+    }
 }
 
 /// What is left of a load without its first-order lag.
