@@ -4,7 +4,7 @@ use declare::{Group, Scalar};
 use physics::effects::*;
 use physics::load_table::LoadTable;
 use physics::model::{Model, Slot};
-use physics::models::annulus_cooled_motor::cooling::method;
+use physics::models::annulus_cooled_motor::cooling::{Conditions, method};
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, CoolingMode, DriveMode, Inputs, MechanicalMode, STATES, Step,
 };
@@ -33,6 +33,29 @@ pub fn cooling_modes() -> impl Iterator<Item = CoolingMode> {
 /// Those with a thermal network.
 pub fn network_modes() -> impl Iterator<Item = CoolingMode> {
     cooling_modes().filter(|mode| method(*mode).has_network())
+}
+
+/// The inputs of the cooling that start at 0, by name, with their rows and nominal values: each input that a cooling mode adds is among
+/// them.
+pub fn cooling_inputs() -> impl Iterator<Item = (usize, &'static str, f64)> {
+    let at = |inputs: &Inputs| Conditions::of(inputs, 300.0, 300.0, 300.0);
+    let changes_conditions = move |row: usize, value: f64| {
+        let mut inputs = Inputs::default();
+        inputs.set(row, value);
+        at(&inputs) != at(&Inputs::default())
+    };
+    let rows = Inputs::TABLE.iter().enumerate().filter(|(_, input)| input.start == 0.0);
+    let all = rows.map(|(row, input)| (row, input.name, input.nominal));
+    all.filter(move |(row, _, nominal)| changes_conditions(*row, *nominal))
+}
+
+/// Inputs at their start values, but those of the cooling at their nominal values: fan, pump and what other modes add are on.
+pub fn busy_inputs() -> Inputs {
+    let mut inputs = Inputs::default();
+    for (row, _, nominal) in cooling_inputs() {
+        inputs.set(row, nominal);
+    }
+    inputs
 }
 
 /// Dry friction of this torque, N.m.
@@ -66,9 +89,14 @@ impl Profile {
         self.line.is_finite() && !self.held
     }
 
-    /// Corner `k` of the lines: a drive with reversals, load, fan and a room that changes.
+    /// Corner `k` of the lines: a drive with reversals, load, fan and a room that changes. Inputs without a line of their own that start
+    /// at 0 vary below their nominal values.
     fn corner(&self, base: &Inputs, k: usize) -> Inputs {
         let x = k as f64;
+        let mut others = *base;
+        for (row, input) in Inputs::TABLE.iter().enumerate().filter(|(_, input)| input.start == 0.0) {
+            others.set(row, input.nominal * (0.75 + 0.25 * (0.3 * x).sin()));
+        }
         Inputs {
             voltage: 18.0 * (0.7 * x).sin() + 6.0 * (1.9 * x).cos(),
             current_command: 5.0 * (0.6 * x).sin() + 2.0,
@@ -81,7 +109,7 @@ impl Profile {
             electrical_power: base.electrical_power * (1.0 + 0.5 * (0.8 * x).sin()),
             heat_power: 2.0 * (0.2 * x).sin(),
             coolant_inlet_temperature: 290.0 + 2.0 * (0.1 * x).sin(),
-            coolant_flow_rate: 1e-5 * (1.0 + 0.5 * (0.3 * x).sin()),
+            ..others
         }
     }
 
