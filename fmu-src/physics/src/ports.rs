@@ -66,9 +66,11 @@ macro_rules! ports {
         /// Heat in the housing at `t_h`, K, taken from ambient, W.
         [HousingHeat as HousingHeat "housing_heat" Watt of HousingTemperature]
             sum housing_heat [D: Number] (t_h: D) -> D, derivative [housing_heat_slope];
-        /// A stator between winding and housing.
+        /// A stator between winding and housing: its resistance to the housing, in a network added to thermal.R_sh, and its heat capacity.
+        /// Constant: no argument.
         [Stator] sum stator [] () -> Stator, derivative [];
-        /// Multiplies the thermal resistance from winding to housing with the winding at `t_w`, K; positive.
+        /// Multiplies the thermal resistance thermal.R_wh with the winding at `t_w`, K; positive. This is the resistance from winding to
+        /// housing, and where the stator is a node (a network, effect.stator_node) from winding to stator.
         [WindingHousingResistance as WindingHousingResistance "winding_housing_resistance" One of WindingTemperature]
             factor winding_housing_resistance [D: Number] (t_w: D) -> D,
             derivative [winding_housing_resistance_slope];

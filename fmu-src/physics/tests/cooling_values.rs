@@ -1,4 +1,4 @@
-//! The five modes of cooling against values computed here from the energy balance, with no function of the product but the one
+//! The five modes of cooling by air against values computed here from the energy balance, with no function of the product but the one
 //! under test: air from a table, correlations and pressure losses written out once more, the operating point by bisection.
 //!
 //! *Sources*: Incropera et al., 7th ed. (table A.4; eqs. 9.34, 7.54, 9.64, 13.20), Gnielinski, VDI Heat Atlas, 2nd ed.,
@@ -7,7 +7,9 @@
 
 use crate::common::motor;
 use physics::models::annulus_cooled_motor::cooling::{Conditions, Cooling};
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
+use physics::models::annulus_cooled_motor::{
+    AnnulusCooledMotor, CoolingMode, DriveMode, Inputs, MechanicalMode,
+};
 use std::f64::consts::PI;
 
 /// Segments of the housing.
@@ -50,15 +52,8 @@ fn cooled(mode: CoolingMode, change: impl Fn(&mut AnnulusCooledMotor)) -> Annulu
 }
 
 fn conditions(command: f64) -> Conditions {
-    Conditions {
-        surface: SURFACE,
-        tube: TUBE,
-        ambient: AMBIENT,
-        ambient_pressure: 1e5,
-        fan_command: command,
-        coolant_inlet_temperature: AMBIENT,
-        coolant_flow_rate: 0.0,
-    }
+    let inputs = Inputs { ambient_pressure: 1e5, fan_command: command, ..Inputs::default() };
+    Conditions::of(&inputs, SURFACE, TUBE, AMBIENT)
 }
 
 #[track_caller]

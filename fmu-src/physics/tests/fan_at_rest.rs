@@ -3,7 +3,7 @@
 use physics::components::housing::Orientation;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::cooling::{Coefficients, Conditions, Cooling};
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode};
+use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, Inputs};
 
 /// Segments of the housing.
 const N: usize = 8;
@@ -19,15 +19,8 @@ fn cooled(mode: CoolingMode, orientation: Orientation) -> AnnulusCooledMotor {
 }
 
 fn coefficients(m: &AnnulusCooledMotor, surface: f64, tube: f64, command: f64) -> Coefficients {
-    let at = Conditions {
-        surface,
-        tube,
-        ambient: AMBIENT,
-        ambient_pressure: 101_325.0,
-        fan_command: command,
-        coolant_inlet_temperature: AMBIENT,
-        coolant_flow_rate: 0.0,
-    };
+    let inputs = Inputs { fan_command: command, ..Inputs::default() };
+    let at = Conditions::of(&inputs, surface, tube, AMBIENT);
     Cooling::new(&m.parameters, N).coefficients(&m.parameters, &at)
 }
 

@@ -1,7 +1,7 @@
 //! Initial states that are set: a run goes on from the states of another one, a hot motor cools down, and a value outside the
 //! limits of validity is refused.
 
-use crate::common::{cooling_modes, motor, network_modes};
+use crate::common::{busy_inputs, cooling_modes, motor, network_modes};
 use physics::effects::Effects;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::cooling::method;
@@ -58,6 +58,7 @@ fn busy(
     m.parameters.choices.cooling_mode = cooling;
     m.parameters.choices.air_segments = 1;
     m.parameters.effects = effects;
+    m.inputs = busy_inputs();
     m.inputs.voltage = 12.0;
     m.inputs.duty = 0.9;
     m.inputs.current_command = 6.0;
@@ -65,7 +66,6 @@ fn busy(
     m.inputs.imposed_speed = 300.0;
     m.inputs.load_torque = 0.02;
     m.inputs.fan_command = 0.7;
-    m.inputs.coolant_flow_rate = 1e-5;
     m.inputs.ambient_temperature = 291.0;
     m
 }
@@ -231,8 +231,8 @@ fn a_hot_motor_cools_down_to_the_ambient_temperature() {
     for cooling in cooling_modes() {
         let mut m = motor(DriveMode::Power, MechanicalMode::ImposedSpeed);
         m.parameters.choices.cooling_mode = cooling;
-        m.inputs.fan_command = 1.0;
-        (m.inputs.coolant_inlet_temperature, m.inputs.coolant_flow_rate) = (295.0, 1e-5);
+        m.inputs = busy_inputs();
+        m.inputs.coolant_inlet_temperature = 295.0;
         m.inputs.ambient_temperature = 295.0;
         for name in ["winding", "stator", "magnet", "housing"] {
             set(&mut m, &format!("initial.{name}_temperature"), 400.0);

@@ -1,6 +1,6 @@
 //! Cases with a known answer: closed forms, the matrix exponential, and the order of the split.
 
-use crate::common::{cooling_modes, friction, motor};
+use crate::common::{busy_inputs, cooling_modes, friction, motor};
 use nalgebra::{Matrix2, Vector2};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
@@ -149,9 +149,9 @@ fn a_step_of_the_rounding_of_the_time_is_a_step() {
             plain.parameters.choices.cooling_mode = mode;
             plain.parameters.effects.stator_node.C_s = stator_node;
             plain.parameters.effects.stator_node.R_sh = if stator_node > 0.0 { 0.1 } else { 0.0 };
+            plain.inputs = busy_inputs();
             plain.inputs.current_command = 3.0;
             plain.inputs.imposed_speed = 200.0;
-            plain.inputs.coolant_flow_rate = 1e-5;
             plain.start(33_000.0).unwrap();
             plain.step(33_000.0, 2.0).unwrap();
             let mut divided = plain.clone();

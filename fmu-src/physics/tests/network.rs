@@ -1,6 +1,6 @@
 //! The network of rotor, housing segments and tube in every mode of cooling: books, accuracy, grid, rollback.
 
-use crate::common::{motor, network_modes as modes};
+use crate::common::{busy_inputs, cooling_inputs, motor, network_modes as modes};
 use declare::Group;
 use physics::components::commutation::Commutation;
 use physics::effects::Effects;
@@ -15,10 +15,10 @@ use physics::models::annulus_cooled_motor::{
 fn stalled(mode: CoolingMode) -> AnnulusCooledMotor {
     let mut m = motor(DriveMode::Power, MechanicalMode::ImposedSpeed);
     m.parameters.choices.cooling_mode = mode;
+    m.inputs = busy_inputs();
     m.inputs.electrical_power = 10.0;
-    m.inputs.fan_command = 1.0;
     m.inputs.ambient_temperature = 297.9;
-    (m.inputs.coolant_inlet_temperature, m.inputs.coolant_flow_rate) = (290.0, 1e-5);
+    m.inputs.coolant_inlet_temperature = 290.0;
     m
 }
 
@@ -80,9 +80,11 @@ fn the_books_close_in_every_mode() {
                 let h = 5e-3;
                 for k in 0..200 {
                     let t = h * f64::from(k);
+                    for (_, name, nominal) in cooling_inputs() {
+                        drive(&mut m, name, nominal * (0.5 + 0.5 * t), 0.5 * nominal);
+                    }
                     drive(&mut m, "fan_command", 0.5 + 0.4 * (3.0 * t).sin(), 1.2 * (3.0 * t).cos());
                     drive(&mut m, "ambient_temperature", 300.0 + 2.0 * t, 2.0);
-                    drive(&mut m, "coolant_flow_rate", 1e-5 * (1.0 + t), 1e-5);
                     drive(&mut m, "coolant_inlet_temperature", 290.0 + t, 1.0);
                     drive(&mut m, "ambient_pressure", 1e5 - 1e3 * t, -1e3);
                     drive(&mut m, "duty", (2.0 * t).sin(), 2.0 * (2.0 * t).cos());

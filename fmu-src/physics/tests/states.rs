@@ -1,6 +1,6 @@
 //! States and rates say what steps do, in every mode, and states that were set are those that come back.
 
-use crate::common::{cooling_modes, motor};
+use crate::common::{busy_inputs, cooling_modes, motor};
 use physics::declare::Causality;
 use physics::effects::Effects;
 use physics::exchange::Exchange;
@@ -40,6 +40,7 @@ fn rates_are_what_steps_do() {
                     m.parameters.choices.air_segments = 3;
                     m.parameters.effects = effects;
                     m.parameters.effects.demagnetisation.time = 1e6;
+                    m.inputs = busy_inputs();
                     m.inputs.voltage = 12.0;
                     // Enough for a current of amperes: within I_small of zero it moves within microseconds.
                     m.inputs.duty = 0.95;
@@ -48,7 +49,6 @@ fn rates_are_what_steps_do() {
                     m.inputs.imposed_speed = 300.0;
                     m.inputs.load_torque = 0.02;
                     m.inputs.fan_command = 0.7;
-                    m.inputs.coolant_flow_rate = 1e-5;
                     m.start(0.0).unwrap();
                     m.step(0.0, 30.0).unwrap();
                     let what = format!("{drive:?} {coupling:?} {cooling:?}");
@@ -126,8 +126,8 @@ fn a_restored_motor_shows_the_same_outputs() {
         let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
         m.parameters.choices.cooling_mode = cooling;
         m.parameters.initial.housing_temperature = 340.0;
-        (m.inputs.current_command, m.inputs.imposed_speed) = (6.0, 300.0);
-        (m.inputs.fan_command, m.inputs.coolant_flow_rate) = (0.7, 1e-5);
+        m.inputs = busy_inputs();
+        (m.inputs.current_command, m.inputs.imposed_speed, m.inputs.fan_command) = (6.0, 300.0, 0.7);
         m.start(0.0).unwrap();
         m.enter_model_exchange();
         let shown = outputs(&mut m);

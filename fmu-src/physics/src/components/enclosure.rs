@@ -50,13 +50,13 @@ variables! {
     }
 }
 
-/// Smallest heat capacity of a gear with its own temperature, J/K.
-const LEAST_GEAR: f64 = 1e-3;
+/// Smallest heat capacity of a node that can be off, J/K.
+const LEAST_CAPACITY: f64 = 1e-3;
 
 impl Enclosure {
     /// Whether the gear has its own temperature.
     #[inline]
     pub fn has_gear(&self) -> bool {
-        self.C_g >= LEAST_GEAR
+        self.C_g >= LEAST_CAPACITY
     }
 }

@@ -4,10 +4,11 @@ use declare::{Group, Scalar};
 use physics::effects::*;
 use physics::load_table::LoadTable;
 use physics::model::{Model, Slot};
-use physics::models::annulus_cooled_motor::cooling::method;
+use physics::models::annulus_cooled_motor::cooling::{Conditions, method};
 use physics::models::annulus_cooled_motor::{
-    AnnulusCooledMotor, Constants, CoolingMode, DriveMode, Inputs, MechanicalMode, STATES, Step,
+    AnnulusCooledMotor, Constants, CoolingMode, DriveMode, Inputs, MechanicalMode, Parameters, STATES, Step,
 };
+use physics::terms::Drivers;
 use reference::{Tolerance, integrate};
 use std::fmt;
 
@@ -16,6 +17,11 @@ pub const TIGHT: Tolerance = Tolerance { relative: 1e-10, absolute: 1e-12 };
 
 /// Which states are temperatures, whose size is their rise.
 const RISE: [bool; STATES] = [false, false, false, true, true, false, false, false];
+
+/// Whether a state is a temperature or the heat to ambient.
+fn is_thermal(state: usize) -> bool {
+    RISE[state] || state == STATES - 1
+}
 
 /// A motor in these modes at its declared values.
 pub fn motor(drive: DriveMode, mechanical: MechanicalMode) -> AnnulusCooledMotor {
@@ -33,6 +39,29 @@ pub fn cooling_modes() -> impl Iterator<Item = CoolingMode> {
 /// Those with a thermal network.
 pub fn network_modes() -> impl Iterator<Item = CoolingMode> {
     cooling_modes().filter(|mode| method(*mode).has_network())
+}
+
+/// The inputs of the cooling that start at 0, by name, with their rows and nominal values: each input that a cooling mode adds is among
+/// them.
+pub fn cooling_inputs() -> impl Iterator<Item = (usize, &'static str, f64)> {
+    let at = |inputs: &Inputs| Conditions::of(inputs, 300.0, 300.0, 300.0);
+    let changes_conditions = move |row: usize, value: f64| {
+        let mut inputs = Inputs::default();
+        inputs.set(row, value);
+        at(&inputs) != at(&Inputs::default())
+    };
+    let rows = Inputs::TABLE.iter().enumerate().filter(|(_, input)| input.start == 0.0);
+    let all = rows.map(|(row, input)| (row, input.name, input.nominal));
+    all.filter(move |(row, _, nominal)| changes_conditions(*row, *nominal))
+}
+
+/// Inputs at their start values, but those of the cooling at their nominal values: fan, pump and what other modes add are on.
+pub fn busy_inputs() -> Inputs {
+    let mut inputs = Inputs::default();
+    for (row, _, nominal) in cooling_inputs() {
+        inputs.set(row, nominal);
+    }
+    inputs
 }
 
 /// Dry friction of this torque, N.m.
@@ -66,9 +95,14 @@ impl Profile {
         self.line.is_finite() && !self.held
     }
 
-    /// Corner `k` of the lines: a drive with reversals, load, fan and a room that changes.
+    /// Corner `k` of the lines: a drive with reversals, load, fan and a room that changes. Inputs without a line of their own that start
+    /// at 0 vary below their nominal values.
     fn corner(&self, base: &Inputs, k: usize) -> Inputs {
         let x = k as f64;
+        let mut others = *base;
+        for (row, input) in Inputs::TABLE.iter().enumerate().filter(|(_, input)| input.start == 0.0) {
+            others.set(row, input.nominal * (0.75 + 0.25 * (0.3 * x).sin()));
+        }
         Inputs {
             voltage: 18.0 * (0.7 * x).sin() + 6.0 * (1.9 * x).cos(),
             current_command: 5.0 * (0.6 * x).sin() + 2.0,
@@ -81,7 +115,7 @@ impl Profile {
             electrical_power: base.electrical_power * (1.0 + 0.5 * (0.8 * x).sin()),
             heat_power: 2.0 * (0.2 * x).sin(),
             coolant_inlet_temperature: 290.0 + 2.0 * (0.1 * x).sin(),
-            coolant_flow_rate: 1e-5 * (1.0 + 0.5 * (0.3 * x).sin()),
+            ..others
         }
     }
 
@@ -124,7 +158,22 @@ pub struct Errors {
 
 impl Errors {
     pub fn worst(&self) -> f64 {
-        self.relative.iter().fold(0.0, |m, e| if e.is_nan() { f64::NAN } else { m.max(*e) })
+        self.largest(|_| true)
+    }
+
+    /// That of temperatures and heat to ambient.
+    pub fn thermal(&self) -> f64 {
+        self.largest(is_thermal)
+    }
+
+    /// That of current, speed, angle and the energies at the terminals and the shaft.
+    pub fn fast(&self) -> f64 {
+        self.largest(|state| !is_thermal(state))
+    }
+
+    fn largest(&self, of: impl Fn(usize) -> bool) -> f64 {
+        let all = self.relative.iter().enumerate().filter(|(state, _)| of(*state));
+        all.fold(0.0, |m, (_, e)| if e.is_nan() { f64::NAN } else { m.max(*e) })
     }
 }
 
@@ -144,6 +193,27 @@ fn states(m: &AnnulusCooledMotor) -> [f64; STATES] {
     numbers.try_into().expect("the states of Step::rates")
 }
 
+/// Drivers of the effects at these inputs and states.
+fn drivers(parameters: &Parameters, inputs: &Inputs, t: f64, y: &[f64; STATES]) -> Drivers {
+    let choices = &parameters.choices;
+    let is_free = choices.mechanical_mode == MechanicalMode::FreeShaft;
+    let current = if choices.drive_mode == DriveMode::Current { inputs.current_command } else { y[0] };
+    Drivers {
+        speed: if is_free { y[1] } else { inputs.imposed_speed },
+        current,
+        load_torque: match is_free {
+            true => inputs.load_torque,
+            false => parameters.motor.torque_constant(y[4]) * current,
+        },
+        winding_temperature: y[3],
+        housing_temperature: y[4],
+        ambient_temperature: inputs.ambient_temperature + parameters.effects.ambient_sensor() * t,
+        fan_command: inputs.fan_command,
+        time: t,
+        ..Drivers::default()
+    }
+}
+
 /// Runs the model by its own steps of `h` beside the reference, which begins anew where an input breaks.
 pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f64) -> Errors {
     let base = model.inputs;
@@ -161,8 +231,8 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
     for piece in 0..pieces {
         let t0 = piece as f64 * smooth;
         let (inputs, slopes) = (profile.at(&base, t0), profile.slope(&base, t0));
-        let conductance = parameters.to_ambient(inputs.fan_command);
-        let step = Step::new(&parameters, &constants, &inputs, &slopes, conductance, t0);
+        let conductance = |of: &Parameters| of.to_ambient(inputs.fan_command);
+        let step = Step::new(&parameters, &constants, &inputs, &slopes, conductance(&parameters), t0);
         // What the inputs dictate jumps with them.
         model.inputs = inputs;
         touch(&mut model);
@@ -180,7 +250,13 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
             |y: &[f64; STATES], by: f64| std::array::from_fn(|s| y[s] + if RISE[s] { by } else { 0.0 });
         let rates = |t: f64, z: &[f64; STATES]| {
             let y = shift(z, ambient);
-            step.rates(t, &y)
+            if !parameters.effects.acts_at(EffectPort::Any) {
+                return step.rates(t, &y);
+            }
+            // The drivers that a step of the model holds, at this instant.
+            let mut now = parameters;
+            now.effects.set_drivers(&drivers(&now, &inputs.after(t, &slopes), t0 + t, &y));
+            Step::new(&now, &constants, &inputs, &slopes, conductance(&now), t0).rates(t, &y)
         };
         let truth = integrate(rates, &shift(&y, -ambient), &times, TIGHT).unwrap();
         let truth: Vec<[f64; STATES]> = truth.iter().map(|z| shift(z, ambient)).collect();

@@ -23,7 +23,7 @@
 mod outputs;
 mod system;
 
-use super::nodes::{HOUSING, NODES, Network, PATHS, Temperatures, WINDING, account};
+use super::nodes::{HOUSING, Losses, NODES, Network, PATHS, Temperatures, WINDING, account};
 use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::components::chopper::{Bridge, Cycle};
@@ -125,7 +125,7 @@ pub struct Point {
     pub fast: Fast,
     /// Derivatives of the temperatures, K/s.
     pub warming: Temperatures,
-    /// Heat flow to ambient, W: from the box and the bridge.
+    /// Heat flow to ambient, W: along the paths, and from losses that heat no node.
     pub to_ambient: f64,
     /// The energy balance.
     pub ledger: Ledger,
@@ -235,18 +235,21 @@ impl<'a> Step<'a> {
         let bridge = self.bridge(t);
         let supply = bridge.supply_power(&cycle);
         let loss_drive = bridge.loss(&cycle, taken, i);
-        let mut to_ambient = 0.0;
+        let enter = |ledger: &mut Ledger, from, losses: Losses| {
+            let (nodes, rest) = self.nodes().heats(&losses);
+            ledger.transfer(from, Ambient, rest);
+            nodes.iter().enumerate().for_each(|(node, heat)| ledger.transfer(from, Node(node), *heat));
+            rest
+        };
         let mut ledger = Ledger::default();
-        ledger.transfer(Terminals, Ambient, loss_drive);
-        ledger.transfer(Terminals, Node(WINDING), powers[0]);
+        let electrical = Losses { winding: powers[0], bridge: loss_drive, friction: 0.0 };
+        let mut to_ambient = enter(&mut ledger, Terminals, electrical);
         ledger.transfer(Terminals, Magnetic, powers[1]);
         ledger.transfer(Terminals, AirGap, powers[2]);
-        for (node, heat) in self.nodes().heats(0.0, drag * w).iter().enumerate() {
-            ledger.transfer(AirGap, Node(node), *heat);
-        }
+        to_ambient += enter(&mut ledger, AirGap, Losses { friction: drag * w, ..Losses::default() });
         ledger.transfer(AirGap, Shaft, self.load.at(t) * w);
         ledger.transfer(AirGap, Kinetic, self.constants.inertia * w * fast[1]);
-        for ((from, to), flow) in PATHS.into_iter().zip(self.nodes().flows(self.ambient.at(t), temperature)) {
+        for (&(from, to), flow) in PATHS.iter().zip(self.nodes().flows(self.ambient.at(t), temperature)) {
             ledger.transfer(Node(from), account(to), flow);
             to_ambient += if to.is_none() { flow } else { 0.0 };
         }
@@ -261,7 +264,7 @@ impl<'a> Step<'a> {
             fast,
             warming: self.network_rates(t, temperature)
                 + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity()),
-            to_ambient: to_ambient + loss_drive,
+            to_ambient,
             ledger,
         }
     }

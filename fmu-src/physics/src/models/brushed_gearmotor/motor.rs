@@ -1,7 +1,7 @@
 //! The gearmotor as [`Equations`] of the runtime: steps, states and events.
 
 use super::equations::{Constants, STATES, State, Step, Stored};
-use super::nodes::{LIST, NODES, WINDING};
+use super::nodes::{LIST, Losses, NODES, WINDING};
 use super::parameters::{Parameters, unserved};
 use super::variables::{Indicators, Inputs, Outputs};
 use crate::components::validity::Extremes;
@@ -261,8 +261,10 @@ impl Equations<STATES> for Gearmotor {
 
     fn termination_reason(run: &BrushedGearmotor, time: f64) -> String {
         let outputs = Self::outputs(run, &());
-        let flows =
-            [outputs.loss_copper + outputs.loss_friction, outputs.heat_to_ambient - outputs.loss_drive];
+        let Outputs { loss_copper: winding, loss_friction: friction, loss_drive: bridge, .. } = outputs;
+        let (heat, rest) =
+            run.own.constants.nodes(&run.parameters).heats(&Losses { winding, friction, bridge });
+        let flows = [heat.sum(), outputs.heat_to_ambient - rest];
         run.own.constants.limits().sentence(&run.extremes(), time, flows)
     }
 

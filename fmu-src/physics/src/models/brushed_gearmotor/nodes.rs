@@ -136,7 +136,7 @@ impl Initial {
 }
 
 /// Heat paths, each from one node to another or to ambient.
-pub(super) const PATHS: [(usize, Option<usize>); 5] = [
+pub(super) const PATHS: &[(usize, Option<usize>)] = &[
     (WINDING, Some(HOUSING)),
     (WINDING, Some(BOX)),
     (HOUSING, Some(BOX)),
@@ -147,6 +147,17 @@ pub(super) const PATHS: [(usize, Option<usize>); 5] = [
 /// The account in the energy balance of a node, or of ambient.
 pub(super) fn account(node: Option<usize>) -> Account {
     node.map_or(Account::Ambient, Account::Node)
+}
+
+/// Losses, in W or J; [`Network::heats`] says which nodes they heat.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Losses {
+    /// Losses in the winding, contacts included.
+    pub winding: f64,
+    /// Friction.
+    pub friction: f64,
+    /// Losses of the bridge.
+    pub bridge: f64,
 }
 
 /// Data of the thermal network.
@@ -164,8 +175,12 @@ impl Network<'_> {
     /// Heat capacities of the nodes, J/K; that of an unused gear node is arbitrary, since it receives no heat.
     pub fn capacity(&self) -> Temperatures {
         let thermal = self.thermal;
-        let gear = if thermal.has_gear() { thermal.C_g } else { thermal.C_h };
-        Temperatures::new(thermal.C_w, thermal.C_h, thermal.C_b, gear)
+        let mut capacity = Temperatures::zeros();
+        capacity[WINDING] = thermal.C_w;
+        capacity[HOUSING] = thermal.C_h;
+        capacity[BOX] = thermal.C_b;
+        capacity[GEAR] = if thermal.has_gear() { thermal.C_g } else { thermal.C_h };
+        capacity
     }
 
     /// Temperature of the gear, K.
@@ -192,12 +207,16 @@ impl Network<'_> {
         if self.thermal.has_gear() { 1.0 / self.thermal.R_gh } else { 0.0 }
     }
 
-    /// Heat from losses in the winding and from friction, by node, W or J.
+    /// Heat of the losses by node, and the rest, which goes to ambient; W or J as the losses.
     #[inline]
-    pub fn heats(&self, winding: f64, friction: f64) -> Temperatures {
+    pub fn heats(&self, losses: &Losses) -> (Temperatures, f64) {
         let thermal = self.thermal;
-        let in_gear = if thermal.has_gear() { thermal.friction_to_gear * friction } else { 0.0 };
-        Temperatures::new(winding, friction - in_gear, 0.0, in_gear)
+        let in_gear = if thermal.has_gear() { thermal.friction_to_gear * losses.friction } else { 0.0 };
+        let mut heat = Temperatures::zeros();
+        heat[WINDING] = losses.winding;
+        heat[HOUSING] = losses.friction - in_gear;
+        heat[GEAR] = in_gear;
+        (heat, losses.bridge)
     }
 
     /// Heat flows along the paths with ambient at `ambient`, K, in W.

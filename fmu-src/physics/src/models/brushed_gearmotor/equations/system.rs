@@ -2,7 +2,7 @@
 
 use super::Step;
 use crate::components::chopper::Cycle;
-use crate::models::brushed_gearmotor::nodes::{NODES, PATHS, Temperatures, WINDING};
+use crate::models::brushed_gearmotor::nodes::{Losses, NODES, PATHS, Temperatures, WINDING};
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 use num_dual::Dual64;
@@ -63,7 +63,7 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn network(&self, t: f64, temperature: &Temperatures) -> (Temperatures, f64) {
         let (mut gain, mut to_ambient) = (Temperatures::zeros(), 0.0);
-        for ((from, to), flow) in PATHS.into_iter().zip(self.nodes().flows(self.ambient.at(t), temperature)) {
+        for (&(from, to), flow) in PATHS.iter().zip(self.nodes().flows(self.ambient.at(t), temperature)) {
             gain[from] -= flow;
             match to {
                 Some(node) => gain[node] += flow,
@@ -76,7 +76,7 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn network_matrix(&self, _t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
         let mut gain = SMatrix::<f64, NODES, NODES>::zeros();
-        for ((from, to), [grows, falls]) in PATHS.into_iter().zip(self.nodes().flow_slopes(temperature)) {
+        for (&(from, to), [grows, falls]) in PATHS.iter().zip(self.nodes().flow_slopes(temperature)) {
             gain[(from, from)] -= grows;
             if let Some(node) = to {
                 gain[(node, from)] += grows;
@@ -101,16 +101,17 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline]
-    fn heat_rates_at(
-        &self,
-        _t: f64,
-        x: &Fast,
-        temperature: &Temperatures,
-        instant: &Instant,
-    ) -> Temperatures {
+    fn heat_rates_at(&self, t: f64, x: &Fast, temperature: &Temperatures, instant: &Instant) -> Temperatures {
         let (i, w) = (x[0], x[1]);
         let r = self.model.motor.resistance(temperature[WINDING]);
-        self.nodes().heats(r * (i * i + instant.cycle.ripple) + instant.lost * i, instant.drag * w)
+        let cycle = &instant.cycle;
+        let taken = (instant.e + cycle.drive) * i + r * cycle.ripple;
+        let losses = Losses {
+            winding: r * (i * i + cycle.ripple) + instant.lost * i,
+            friction: instant.drag * w,
+            bridge: self.bridge(t).loss(cycle, taken, i),
+        };
+        self.nodes().heats(&losses).0
     }
 
     /// Energies of one step, each from its own equation and the integrals of the fast solution, so that the balance residual
@@ -140,16 +141,17 @@ impl System<NODES> for Step<'_> {
         let rippling = INSTANTS.map(|n| supply[n].per_watt * ripples[n]);
         let electrical = steady + simpson(rippling);
         let error_of_ripple = (ripple - 0.5 * h * (ripples[0] + ripples[2])).abs();
-        let drive = electrical - terminals - ripple;
+        let bridge = electrical - terminals - ripple;
+        let (heat, ambient) = self.nodes().heats(&Losses { winding: copper + ripple, friction, bridge });
         // Residual of the energy balance of the step.
         let [before, after] = [segment.x[0], segment.x[2]].map(|x| self.kinetic(x[1]) + self.magnetic(x[0]));
         let missing = terminals - copper - friction - load - (after - before);
         Work {
-            heat: self.nodes().heats(copper + ripple, friction),
+            heat,
             losses: [copper + ripple, friction],
             electrical,
             mechanical: load,
-            ambient: drive,
+            ambient,
             aside: 0.0,
             quadrature_error: error_of_friction
                 + error_of_terminals
