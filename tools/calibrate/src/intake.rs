@@ -138,7 +138,10 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     let asked = experiment.clone();
     let deviations = || deviations(&asked, preset, &predicted, deadline);
     response::set_aside(experiment, &predicted, (&fitted, &is_sure), deviations);
-    if let Some(unusable) = dead_input::found(experiment, &predicted).or_else(|| nothing_left(experiment)) {
+    let unusable = dead_input::found(experiment, &predicted)
+        .or_else(|| nothing_left(experiment))
+        .or_else(|| start::of_single_sensor(experiment));
+    if let Some(unusable) = unusable {
         return Err(Refusal::Unusable(unusable));
     }
     Ok(is_sure.iter().all(|sure| *sure))

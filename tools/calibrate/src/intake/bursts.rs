@@ -4,12 +4,12 @@
 //!
 //! e_k is the deviation of a row from the line between its neighbours (`noise.rs` (1)), y the readings, p the prediction of the preset,
 //! sigma the standard deviation of e_k by the channel's noise, z the bound of [`super::signals`] (1). Rows with (1) that are close to each
-//! other, of both signs, are a burst; all readings within are set aside. A temperature belongs to a heat capacity: a step of the load bends
-//! it once, and a spike concerns three rows.
+//! other, of both signs and some beyond the error of a thermometer, are a burst; all readings within are set aside. A temperature belongs to
+//! a heat capacity: a step of the load bends it once, and a spike concerns three rows.
 //! *Source*: as for spikes in [`super::signals`].
 
 use super::response::ENOUGH;
-use super::signals::{ALIKE, FROM_LINE, WIDEST, bound};
+use super::signals::{ALIKE, FROM_LINE, SENSOR_ERROR, WIDEST, bound};
 use super::{all_runs, predicted};
 use crate::deadline::Deadline;
 use crate::experiment::Experiment;
@@ -57,13 +57,16 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
             let inside = |k: &usize| is_whole || bursts.iter().any(|(from, to)| (from..=to).contains(&k));
             (0..rows.len()).filter(inside).for_each(|k| column[rows[k]] = f64::NAN);
             let what = if is_whole { "the sensor".to_string() } else { count_of(count, "reading") };
-            experiment.notes.push(format!(
+            let note = format!(
                 "{}: {} scatters in {}, the first at {} s, while the temperature does not, as with a loose contact; {what} set aside",
                 own.file,
                 channel.column,
                 count_of(bursts.len(), "burst"),
                 time[bursts[0].0]
-            ));
+            );
+            if !experiment.notes.contains(&note) {
+                experiment.notes.push(note);
+            }
         }
     }
 }
@@ -87,7 +90,9 @@ fn bursts(own: &[f64], expected: &[f64], least: f64) -> Vec<(usize, usize)> {
     let rows: Vec<usize> = (0..own.len()).filter(scatters).collect();
     let groups = rows.chunk_by(|a, b| b - a <= WIDEST).filter(|group| {
         let up = group.iter().filter(|k| own[**k] > 0.0).count();
-        group.len() >= LEAST && up > 0 && up < group.len()
+        // Less is a noise that varies, as of a thermocouple in an air flow.
+        let is_failure = group.iter().any(|k| own[*k].abs() > SENSOR_ERROR);
+        group.len() >= LEAST && up > 0 && up < group.len() && is_failure
     });
     groups.map(|group| (group[0], group[group.len() - 1])).collect()
 }

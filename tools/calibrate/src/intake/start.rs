@@ -8,6 +8,16 @@ use crate::experiment::{CELSIUS, Experiment, Run, Start};
 /// error of one working thermometer is a note, and the run starts as measured: the motor may be warm, or the ambient temperature that of
 /// another place.
 pub fn elsewhere(experiment: &mut Experiment) -> Option<Unusable> {
+    off_ambient(experiment, |nodes| if nodes > 1 { SENSOR_ERROR } else { f64::INFINITY })
+}
+
+/// The same for a run with a single thermometer, after those that do not work were set aside: it may have an offset, but none of this size.
+pub fn of_single_sensor(experiment: &mut Experiment) -> Option<Unusable> {
+    off_ambient(experiment, |nodes| if nodes > 1 { f64::INFINITY } else { FAR })
+}
+
+/// Runs whose first temperatures all differ from the ambient one by more than `least` for their number, K.
+fn off_ambient(experiment: &mut Experiment, least: impl Fn(usize) -> f64) -> Option<Unusable> {
     let column = experiment.inputs.iter().find(|c| c.is_ambient())?.column;
     let mut notes = Vec::new();
     let mut warm = Vec::new();
@@ -18,8 +28,7 @@ pub fn elsewhere(experiment: &mut Experiment) -> Option<Unusable> {
             let off = |sign: f64| nodes.iter().all(|(_, off)| sign * off > least);
             !nodes.is_empty() && (off(1.0) || off(-1.0))
         };
-        // A single sensor may have an offset, but none of this size.
-        if !is_off(if nodes.len() > 1 { SENSOR_ERROR } else { FAR }) {
+        if !is_off(least(nodes.len())) {
             continue;
         }
         let words: Vec<String> = nodes.iter().map(|(name, off)| format!("{name} by {off:.1} K")).collect();
@@ -86,7 +95,8 @@ mod tests {
             column(&mut run, HOUSING).fill(f64::NAN);
             column(&mut run, WINDING).iter_mut().for_each(|x| *x += shift);
             let notes = run.notes.len();
-            let found = elsewhere(&mut run);
+            assert_eq!(elsewhere(&mut run), None);
+            let found = of_single_sensor(&mut run);
             assert_eq!(
                 found.as_ref().is_some_and(|why| why.suggestion.contains("winding_temperature_degC")),
                 is_far,
