@@ -117,6 +117,14 @@ struct Tap {
     change: Vec<f64>,
 }
 
+/// Rows around changes and the others, with the mean square of the others' residual, for one span as in [`Found`].
+struct Tried {
+    of_kept: f64,
+    aside: Vec<usize>,
+    kept: Vec<usize>,
+    span: [f64; 2],
+}
+
 fn found(experiment: &Experiment, model: &[Vec<f64>], run: usize, output: usize) -> Option<Found> {
     let table = &experiment.runs[run].table;
     let (read, p) = (experiment.readings(run, output), model.get(output)?);
@@ -177,22 +185,22 @@ impl Readings {
         let noise: f64 = noise.iter().flatten().map(|sigma| sigma * sigma).sum();
         let sides = || [0.0].into_iter().chain(times(step));
         let spans = sides().flat_map(|before| sides().map(move |after| [before, after]));
-        let mut tried: Vec<(f64, Vec<usize>, Vec<usize>, [f64; 2])> = Vec::new();
+        let mut tried: Vec<Tried> = Vec::new();
         for span in spans {
             let is_in = |tap: &&Tap| (-span[1]..=span[0]).contains(&tap.tau);
             let is_around = |row: &usize| taps.iter().filter(is_in).any(|tap| tap.change[*row] != 0.0);
             let (aside, kept): (Vec<usize>, Vec<usize>) = (0..self.rows.len()).partition(is_around);
             if kept.len() as f64 >= LEFT * self.rows.len() as f64 && !aside.is_empty() {
                 let at_rest = fitted(&self.levels, &self.y, &kept)?;
-                tried.push((mean_square(&self.y, &at_rest, &kept), aside, kept, span));
+                tried.push(Tried { of_kept: mean_square(&self.y, &at_rest, &kept), aside, kept, span });
             }
         }
-        let least = tried.iter().map(|one| one.0).fold(f64::INFINITY, f64::min).max(noise);
+        let least = tried.iter().map(|one| one.of_kept).fold(f64::INFINITY, f64::min).max(noise);
         // The mean square of n readings is known to sqrt(2 / n).
         let is_as_good =
-            |of_kept: f64, kept: &[usize]| of_kept <= (1.0 + SURE * (2.0 / kept.len() as f64).sqrt()) * least;
-        let as_good = tried.into_iter().filter(|one| is_as_good(one.0, &one.2));
-        let (of_kept, aside, kept, span) = as_good.min_by_key(|one| one.1.len())?;
+            |one: &Tried| one.of_kept <= (1.0 + SURE * (2.0 / one.kept.len() as f64).sqrt()) * least;
+        let as_good = tried.into_iter().filter(is_as_good);
+        let Tried { of_kept, aside, kept, span } = as_good.min_by_key(|one| one.aside.len())?;
         let columns: Vec<&Vec<f64>> = self.levels.iter().chain(taps.iter().map(|tap| &tap.change)).collect();
         let full = sum_of(&columns, &solved(&columns, &self.y, &kept)?, self.rows.len());
         if mean_square(&self.y, &full, &kept) < (1.0 - PART) * of_kept {
@@ -286,8 +294,8 @@ mod tests {
     }
 
     /// Mean over rows before and after each row.
-    fn averaged(column: &mut Vec<f64>, before: usize, after: usize) {
-        let old = column.clone();
+    fn averaged(column: &mut [f64], before: usize, after: usize) {
+        let old = column.to_vec();
         for (k, x) in column.iter_mut().enumerate() {
             let part = &old[k.saturating_sub(before)..(k + after + 1).min(old.len())];
             *x = part.iter().sum::<f64>() / part.len() as f64;
@@ -298,16 +306,19 @@ mod tests {
         (0..column.len()).for_each(|k| column[k] = column[k - k % rows]);
     }
 
+    /// A change of a column.
+    type Fault = fn(&mut [f64]);
+
     #[test]
     fn a_filtered_or_held_output_is_set_aside_around_changes() {
-        let cases: [(usize, fn(&mut Vec<f64>)); 6] = [
+        let cases: [(usize, Fault); 6] = [
             (TORQUE, |c| averaged(c, 20, 0)),
             (VOLTAGE, |c| averaged(c, 7, 0)),
             (TORQUE, |c| averaged(c, 5, 5)),
             (VOLTAGE, |c| held(c, 9)),
             (TORQUE, |c| held(c, 4)),
             (VOLTAGE, |c| {
-                let (old, mut rng, mut late) = (c.clone(), rng(7), 5.0f64);
+                let (old, mut rng, mut late) = (c.to_vec(), rng(7), 5.0f64);
                 for k in 0..c.len() {
                     late = (late + normal(&mut rng)).clamp(1.0, 12.0);
                     c[k] = old[k.saturating_sub(late as usize)];
@@ -334,7 +345,7 @@ mod tests {
     #[test]
     fn a_filtered_input_concerns_the_outputs() {
         for (n, change) in
-            [|c: &mut Vec<f64>| averaged(c, 6, 6), |c: &mut Vec<f64>| held(c, 6)].into_iter().enumerate()
+            [|c: &mut [f64]| averaged(c, 6, 6), |c: &mut [f64]| held(c, 6)].into_iter().enumerate()
         {
             let mut data = experiment(71 + n as u64);
             change(column(&mut data, CURRENT));

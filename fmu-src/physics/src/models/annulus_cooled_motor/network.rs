@@ -33,7 +33,7 @@ pub const TUBE: usize = 1;
 /// Largest temperature error of an accepted substep, K.
 const TOLERANCE: f64 = 1e-6;
 
-/// Heat flows into the network at one instant. What flows into a segment depends on its temperature: [`Network::into_segment`].
+/// Heat flows into the network at one instant. What flows into a segment depends on its temperature: [`Network::heat_of_segment`].
 #[derive(Clone, Copy, Debug)]
 pub struct Inflow {
     /// Heat flow into the rotor, W.
@@ -258,7 +258,7 @@ impl Network {
 
     /// Heat flow into a segment at its present temperature, W.
     #[inline(always)]
-    fn into_segment(&self, inflow: &Inflow, k: usize) -> f64 {
+    fn heat_of_segment(&self, inflow: &Inflow, k: usize) -> f64 {
         self.body.from_stator * (inflow.stator - self.states[FIRST + k]) + inflow.friction
     }
 
@@ -313,7 +313,7 @@ impl Network {
 
     /// The same in `out`, without a copy.
     pub fn put_rates(&self, ambient: f64, inflow: &Inflow, out: &mut States) {
-        self.rates(ambient, (inflow.rotor, |k| self.into_segment(inflow, k)), &self.states, out);
+        self.rates(ambient, (inflow.rotor, |k| self.heat_of_segment(inflow, k)), &self.states, out);
     }
 
     /// Mean of [`rates_now`](Self::rates_now) over the segments.

@@ -90,7 +90,7 @@ impl Network {
         let [rotor, _, segment] = self.body.per_joule;
         first[ROTOR] += (into_rotor - at_start.rotor) * rotor;
         for k in 0..n {
-            first[FIRST + k] += (into_segment[k] - self.into_segment(at_start, k)) * segment;
+            first[FIRST + k] += (into_segment[k] - self.heat_of_segment(at_start, k)) * segment;
         }
         let into = |k: usize| into_segment[k];
         let at =
