@@ -8,6 +8,7 @@
 //! a heat capacity: a step of the load bends it once, and a spike concerns three rows.
 //! *Source*: as for spikes in [`super::signals`].
 
+use super::pulses::off_line;
 use super::response::ENOUGH;
 use super::signals::{ALIKE, FROM_LINE, SENSOR_ERROR, WIDEST, bound};
 use super::{all_runs, predicted};
@@ -37,7 +38,7 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
                 continue;
             };
             let least = least * FROM_LINE * sigma.max(quantised);
-            let own = off_line(&time, &read);
+            let own = off_lines(&time, &read);
             // The model is only needed where there are such readings at all.
             if least == 0.0 || own.iter().filter(|e| e.abs() > least).count() < LEAST {
                 continue;
@@ -45,7 +46,7 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
             let all =
                 model.get_or_insert_with(|| predicted(experiment, preset, &all_runs(experiment), deadline));
             let Some(shown) = all[run].get(output) else { continue };
-            let expected = off_line(&time, &of(shown));
+            let expected = off_lines(&time, &of(shown));
             let bursts = bursts(&own, &expected, least);
             let count: usize = bursts.iter().map(|(from, to)| to - from + 1).sum();
             if count == 0 {
@@ -72,13 +73,15 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
 }
 
 /// e_k of each row; 0 at the ends.
-fn off_line(time: &[f64], y: &[f64]) -> Vec<f64> {
-    let mut all = vec![0.0; y.len()];
-    for k in 1..y.len().saturating_sub(1) {
-        let share = (time[k] - time[k - 1]) / (time[k + 1] - time[k - 1]);
-        all[k] = y[k] - y[k - 1] - share * (y[k + 1] - y[k - 1]);
-    }
-    all
+fn off_lines(time: &[f64], y: &[f64]) -> Vec<f64> {
+    let of = |k: usize| match k.checked_sub(1) {
+        Some(before) if k + 1 < y.len() => {
+            let near = [before, k, k + 1];
+            off_line(near.map(|n| time[n]), near.map(|n| y[n])).0
+        }
+        _ => 0.0,
+    };
+    (0..y.len()).map(of).collect()
 }
 
 /// First and last row of each burst.

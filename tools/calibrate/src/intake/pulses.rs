@@ -156,7 +156,7 @@ fn is_step(table: &Table, row: usize, sizes: &[f64], least: f64) -> bool {
 }
 
 /// Deviation of the second value from the line between the first and the third, and the difference of these.
-fn off_line(time: [f64; 3], values: [f64; 3]) -> (f64, f64) {
+pub(super) fn off_line(time: [f64; 3], values: [f64; 3]) -> (f64, f64) {
     let across = values[2] - values[0];
     (values[1] - values[0] - (time[1] - time[0]) / (time[2] - time[0]) * across, across)
 }
