@@ -195,7 +195,10 @@ pub fn minimise<P: Problem>(
             match trial {
                 Some((found, reached)) if found < cost && ratio > ACCEPTED => {
                     let fall = cost - found;
-                    let settled = fall <= enough && left - fall <= enough;
+                    let is_all = left - fall <= enough;
+                    // Slopes that are not exact promise what no step gains.
+                    let is_vain = is_near && predicted <= enough && ratio < GOOD;
+                    let settled = fall <= enough && (is_all || is_vain);
                     damping = (damping * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-12);
                     growth = 2.0;
                     (x, point, cost) = (next, reached, found);
@@ -210,7 +213,7 @@ pub fn minimise<P: Problem>(
                 }
                 // Slopes of a point before may be the reason.
                 _ if !is_near => break None,
-                _ if left <= enough => break Some(Status::Decrease),
+                _ if predicted <= enough => break Some(Status::Decrease),
                 _ => {
                     let longest = SHORTER * model.length(&next);
                     loop {
