@@ -24,7 +24,7 @@ use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Refusal, Unexplained, Verdict};
 use crate::report::count_of;
 use crate::search::{Scored, best_memory_term, latent_input_at, search};
-use crate::selection::{Candidate, Round, shares};
+use crate::selection::{Candidate, Known, Round, shares};
 use crate::separate::separate;
 use crate::setup::Setup;
 use crate::undeclared::better_than_effects;
@@ -191,7 +191,8 @@ fn attempt<'a>(
     }
     if let Some(search_of) = &looked
         && let Some(mut released) =
-            in_time(&deadline, better_than_effects(&search_of.first, &search_of.scored[0]))?.flatten()
+            in_time(&deadline, better_than_effects(&search_of.first, &search_of.scored[0], &search_of.known))?
+                .flatten()
     {
         released.setup.noise = measured;
         return attempt(released.setup, Ok(released.fitted), options, progress);
@@ -254,6 +255,8 @@ struct Search<'a> {
     is_cut: bool,
     /// The memory term, if the residual needs one in addition to the present values of all drivers.
     remembered: Option<Scored>,
+    /// The fits of candidates so far.
+    known: Known,
 }
 
 impl<'a> Search<'a> {
@@ -265,6 +268,7 @@ impl<'a> Search<'a> {
             first,
             scored: vec![scored],
             remembered: None,
+            known: Known::default(),
             is_cut: false,
             rounds: Vec::new(),
             refused: Vec::new(),

@@ -10,6 +10,7 @@
 
 mod companion;
 mod gate;
+mod known;
 mod preference;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,7 @@ use crate::setup::{BLOCKS, Setup};
 pub use companion::{beside, companion};
 use gate::{Judged, gate, implausible};
 pub use gate::{asked, predicts_where_it_acts};
+pub use known::Known;
 use preference::{
     best_prediction_first, is_element_of, is_part, law_elsewhere, listed_first, one_driver_first,
     order_by_likelihood,
@@ -252,7 +254,12 @@ pub fn shares(deltas: &[f64]) -> impl Fn(f64) -> f64 + use<> {
 }
 
 /// The candidates of a round, fitted.
-fn candidates<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
+fn candidates<'a>(
+    point: &Linearization<'a>,
+    start: &Hypothesis,
+    scored: &[Scored],
+    known: &Known,
+) -> Round<'a> {
     let is_first = start.additions.is_empty();
     let chosen = choose(scored, is_first).into_iter().filter(|scored| !repeats(start, scored));
     let chosen: Vec<&Scored> = chosen.collect();
@@ -260,7 +267,7 @@ fn candidates<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Score
     let until = point.setup.deadline().share(FITS);
     let of = |scored: &&Scored| match until.is_near() {
         true => Err(CalibrateError("the time budget is kept for judging the others".to_string())),
-        false => fitted(point, start, scored),
+        false => fitted(point, start, scored, known),
     };
     let fitted = parallel::in_turn(&chosen, of);
     let (mut candidates, mut failed) = (Vec::new(), Vec::new());
@@ -286,8 +293,13 @@ fn release(candidates: &mut [Candidate], kept: &[Option<usize>]) {
 /// Fits and compares the best candidates scored at `point`, the model without any of them; their fits start at `start`. A candidate
 /// with which the model cannot be run is listed with the reason. If the best one is no physical explanation, those that explain far less to
 /// first order take its place.
-pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
-    let (mut round, is_out) = among(point, start, scored);
+pub fn compete<'a>(
+    point: &Linearization<'a>,
+    start: &Hypothesis,
+    scored: &[Scored],
+    known: &Known,
+) -> Round<'a> {
+    let (mut round, is_out) = among(point, start, scored, known);
     if is_out {
         let is_fitted = |s: &&Scored| {
             let failed = round.failed.iter().map(|(scored, _)| &scored.name);
@@ -299,7 +311,7 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
                 .any(|name| variants(name) == variants(&s.name))
         };
         let rest: Vec<Scored> = scored.iter().filter(|s| !is_fitted(s)).cloned().collect();
-        let (second, _) = among(point, start, &rest);
+        let (second, _) = among(point, start, &rest, known);
         let first = std::mem::replace(&mut round, second);
         round.candidates.extend(first.candidates);
         round.failed.extend(first.failed);
@@ -308,8 +320,13 @@ pub fn compete<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scor
 }
 
 /// The same among these alone; and whether the best one explains enough, but is no physical explanation.
-fn among<'a>(point: &Linearization<'a>, start: &Hypothesis, scored: &[Scored]) -> (Round<'a>, bool) {
-    let Round { mut candidates, failed, .. } = candidates(point, start, scored);
+fn among<'a>(
+    point: &Linearization<'a>,
+    start: &Hypothesis,
+    scored: &[Scored],
+    known: &Known,
+) -> (Round<'a>, bool) {
+    let Round { mut candidates, failed, .. } = candidates(point, start, scored, known);
     // Preferred are a listed effect to a law that explains little more, and a law of one driver to one of two or with an additional state.
     let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].refused.is_none()).collect();
     best_prediction_first(&candidates, &mut order);
@@ -441,12 +458,24 @@ fn fitted<'a>(
     point: &Linearization<'a>,
     start: &Hypothesis,
     scored: &Scored,
+    known: &Known,
 ) -> Result<Candidate<'a>, CalibrateError> {
     let Some(addition) = &scored.addition else {
         return Err(CalibrateError(format!("{} cannot be added", scored.name)));
     };
     let setup = point.setup;
-    let fitted = setup.fit_addition(initial_guess(setup, start, addition), &point.runs)?;
+    let guess = initial_guess(setup, start, addition);
+    let fitted = match known.find(&guess) {
+        Some(fitted) => fitted,
+        None => {
+            let fitted = setup.fit_addition(guess, &point.runs)?;
+            // What time cut off may be fitted further.
+            if !setup.deadline().is_near() {
+                known.keep(&fitted);
+            }
+            fitted
+        }
+    };
     let larger = Linearization::judged(setup, fitted, &point.runs)?;
     let cost = point.per_number() * addition.price()
         + if addition.is_listed() { 0.0 } else { choice(addition.port, addition.follows) };

@@ -22,7 +22,7 @@ use crate::levels::NEARLY;
 use crate::linearization::Linearization;
 use crate::parallel;
 use crate::search::Scored;
-use crate::selection::{LEAST, compete};
+use crate::selection::{Known, LEAST, compete};
 use crate::setup::{Declared, Setup};
 use physics::declare::{Causality, Kind};
 use physics::model::Entry;
@@ -93,20 +93,21 @@ fn likely(point: &Linearization, least: f64) -> Vec<(f64, Declared, f64)> {
 }
 
 /// This parameter, if it explains the residual of `point`, the fit, at least as well as any effect, and validation runs better than the
-/// fit; `scored` are the candidate effects.
+/// fit; `scored` are the candidate effects, `known` the fits with them.
 ///
 /// # Errors
 /// The message of the model if it cannot be run.
 pub fn better_than_effects<'a>(
     point: &Linearization<'a>,
     scored: &[Scored],
+    known: &Known,
 ) -> Result<Option<Released<'a>>, CalibrateError> {
     let setup = point.setup;
     let first = scored.first().map_or(LEAST, |best| LEAST.max(NEARLY * best.sure()));
     let Some(own) = best(point, first) else { return Ok(None) };
     let rivals: Vec<Scored> =
         scored.iter().filter(|s| s.listed && s.sure() > NEARLY * own.fall).cloned().collect();
-    let round = compete(point, &point.fitted.hypothesis, &rivals);
+    let round = compete(point, &point.fitted.hypothesis, &rivals, known);
     let rival = round.winner().map_or(LEAST, |winner| LEAST.max(winner.sure() - LEAST));
     if own.fall <= rival {
         return Ok(None);

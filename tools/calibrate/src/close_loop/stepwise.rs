@@ -35,7 +35,7 @@ impl<'a> Search<'a> {
             if self.setup.deadline().is_near() || self.left().first().is_none_or(|s| s.sure() <= LEAST) {
                 break;
             }
-            let round = compete(self.point(), &self.point().fitted.hypothesis, self.left());
+            let round = compete(self.point(), &self.point().fitted.hypothesis, self.left(), &self.known);
             let taken = match round.promising().filter(|_| self.rounds.is_empty()) {
                 Some(k) => self.together(round, k),
                 None => self.two_instead(round),
@@ -123,7 +123,7 @@ impl<'a> Search<'a> {
             return true;
         }
         let first = &round.candidates[k].point;
-        let second = companion(first, &first.fitted.hypothesis, &scored);
+        let second = companion(first, &first.fitted.hypothesis, &scored, &self.known);
         if !second.passes_beside(self.point(), &round.candidates[k]) {
             return self.push(round);
         }
@@ -146,7 +146,7 @@ impl<'a> Search<'a> {
         // Otherwise the law stands.
         let Ok(scored) = scored.map(|point| search(&point)) else { return self.push(round) };
         let least = law - ALIKE - part.sure();
-        let second = beside(&part.point, &part.point.fitted.hypothesis, &scored, least);
+        let second = beside(&part.point, &part.point.fitted.hypothesis, &scored, &self.known, least);
         if second.taken.is_none() {
             return self.push(round);
         }
@@ -244,7 +244,7 @@ impl<'a> Search<'a> {
                 .is_some_and(|a| (&a.id, a.port, a.follows) == (&own.id, own.port, own.follows))
         };
         scored.retain(|s| s.sure() > least || is_own(s));
-        let round = compete(&without, &others, &scored);
+        let round = compete(&without, &others, &scored, &self.known);
         let is_as_good = |c: &&Candidate| self.point().explains(&c.point).0 < LEAST;
         if let Some(winner) = round.winner().filter(is_as_good) {
             let same = (&winner.addition().id, winner.addition().port) == (&own.id, own.port);
@@ -282,7 +282,7 @@ impl<'a> Search<'a> {
             s.addition.as_ref().is_some_and(|a| place(a) == at && !a.is_listed() && !a.is_table())
         };
         let powers: Vec<Scored> = scored.iter().filter(is_power).cloned().collect();
-        let round = compete(&without, &others, &powers);
+        let round = compete(&without, &others, &powers, &self.known);
         if round.winner().is_some_and(|c| point.explains(&c.point).0 < NEAR) {
             self.rounds.retain(|round| round.winner().is_some_and(|c| place(c.addition()) != at));
             self.rounds.push(round);
