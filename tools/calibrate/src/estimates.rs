@@ -21,8 +21,6 @@ use crate::strain;
 use nalgebra::DMatrix;
 use physics::terms::Port;
 
-/// Largest number of rows of a run in plots. Definition: of the figures and of `residuals.csv`.
-const PLOTTED: usize = 600;
 /// One-sided 95 % quantile of the standard normal distribution. Definition: 95 % of the distribution are below.
 const BELOW: f64 = 1.645;
 /// Two parameters with at least this correlation are reported as hardly distinguishable. Source: O'Brien, Quality & Quantity 41 (2007)
@@ -403,7 +401,7 @@ fn setting(setup: &Setup, hypothesis: &Hypothesis, run: usize) -> Result<Setting
 
 fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3], half: &Shown) -> Curves {
     let (of, m) = (&setup.experiment.runs[run], setup.outputs());
-    let rows: Vec<usize> = (0..of.table.time.len()).step_by(of.table.time.len().div_ceil(PLOTTED)).collect();
+    let rows = of.table.drawn();
     let inputs = setup.experiment.inputs.len();
     let outputs = setup.experiment.outputs.iter().enumerate().map(|(output, channel)| {
         let shown =

@@ -5,9 +5,6 @@ use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role};
 use crate::intake::{Unusable, predicted};
 
-/// Largest number of rows of a figure. Definition: of the figure.
-const DRAWN: usize = 600;
-
 /// A run with readings that contradict the model. Temperatures in degC.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Illustration {
@@ -68,7 +65,7 @@ pub fn illustration(
     let simulated = |data: &Experiment| predicted(data, preset, &[0], deadline).pop().unwrap_or_default();
     let as_recorded = simulated(&alone);
     let as_meant = meant.as_ref().map(simulated);
-    let rows: Vec<usize> = (0..run.table.time.len()).step_by(run.table.time.len().div_ceil(DRAWN)).collect();
+    let rows = run.table.drawn();
     let drawn = |column: &[f64], k: usize| -> Option<Vec<f64>> {
         let values: Vec<f64> = rows.iter().map(|row| column[*row] - all[k].offset).collect();
         values.iter().any(|x| x.is_finite()).then_some(values)
