@@ -4,7 +4,7 @@ use crate::CalibrateError;
 use crate::beyond;
 use crate::blackbox::black_boxes;
 use crate::close_loop::Judgement;
-use crate::comparison::{self, digits, with_unit};
+use crate::comparison::{self, with_unit};
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
@@ -228,7 +228,7 @@ fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
     let parts: Vec<String> = of_fit
         .map(|e| {
             let (name, unit) = column_words(e.column);
-            format!("{name} {} {unit}", digits(e.refit)).trim_end().to_string()
+            format!("{name} {}", with_unit(e.refit, unit))
         })
         .collect();
     (!parts.is_empty()).then(|| {
@@ -318,7 +318,7 @@ pub fn magnitude(point: &Linearization) -> String {
     let parts = point.setup.experiment.outputs.iter().zip(point.reach()).filter(|(_, reach)| *reach > 0.0);
     let change = |(channel, reach): (&&Channel, f64)| {
         let (name, unit) = column_words(channel.column);
-        format!("{name} by at most {} {unit}", digits(reach)).trim_end().to_string()
+        format!("{name} by at most {}", with_unit(reach, unit))
     };
     let parts: Vec<String> = parts.map(change).collect();
     format!("changes {}", parts.join(", "))
