@@ -272,11 +272,8 @@ fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Va
     let addition = candidate.addition();
     let partly = addition.active.iter().any(|on| !on);
     if !runs.is_empty() {
-        let mut without = before.fitted.hypothesis.clone();
-        acting(&judge, &mut without, &runs)?;
-        let without = judge.show(&without, &runs)?;
-        let mut with = candidate.point.fitted.hypothesis.clone();
-        acting(&judge, &mut with, &runs)?;
+        let without = judge.show(&acting(&judge, &before.fitted.hypothesis, &runs)?, &runs)?;
+        let with = acting(&judge, &candidate.point.fitted.hypothesis, &runs)?;
         let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
         let shown = judge.show(&with, &runs)?;
         if !partly || active {
