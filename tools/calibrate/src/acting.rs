@@ -5,11 +5,12 @@ use crate::experiment::Role;
 use crate::hypothesis::Hypothesis;
 use crate::setup::{Setup, Shown};
 
-/// Decides for each of these runs whether an effect limited to some runs acts in it, by the smaller prediction error.
+/// The hypothesis in which an effect limited to some runs acts in those of these runs that are predicted better with it.
 ///
 /// # Errors
 /// The message of the model if it cannot be run.
-pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<(), CalibrateError> {
+pub fn acting(setup: &Setup, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Hypothesis, CalibrateError> {
+    let mut hypothesis = hypothesis.clone();
     for a in 0..hypothesis.additions.len() {
         if setup.runs(Role::Fit).iter().all(|r| hypothesis.additions[a].active[*r]) {
             continue;
@@ -20,7 +21,7 @@ pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Res
             } else {
                 let mut error = |on: bool| -> Result<f64, CalibrateError> {
                     hypothesis.additions[a].active[*run] = on;
-                    let shown: Vec<Shown> = setup.show(hypothesis, &[*run])?;
+                    let shown: Vec<Shown> = setup.show(&hypothesis, &[*run])?;
                     Ok(setup.chi_square(&[*run], &shown).0)
                 };
                 error(true)? < error(false)?
@@ -28,5 +29,5 @@ pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Res
             hypothesis.additions[a].active[*run] = on;
         }
     }
-    Ok(())
+    Ok(hypothesis)
 }

@@ -370,7 +370,7 @@ impl<'a> Search<'a> {
         }
         let partly: Vec<bool> =
             judgement.hypothesis.additions.iter().map(|a| a.active.iter().any(|on| !on)).collect();
-        acting(setup, &mut judgement.hypothesis, &unfitted)?;
+        judgement.hypothesis = acting(setup, &judgement.hypothesis, &unfitted)?;
         for (a, addition) in judgement.hypothesis.additions.iter().enumerate().filter(|(a, _)| partly[*a]) {
             judgement.effects[a].runs = files(setup, &addition.active);
             let runs = setup.experiment.runs.iter().enumerate();

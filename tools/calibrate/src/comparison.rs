@@ -11,7 +11,7 @@ pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> V
     let mut notes = Vec::new();
     for test in errors.iter().filter(|e| e.role == Role::Test) {
         let (name, unit) = column_words(test.column);
-        let with_unit = |x: f64| with_unit(x, unit).trim_end().to_string();
+        let with_unit = |x: f64| with_unit(x, unit);
         if test.after <= AT_NOISE * test.floor {
             continue;
         }
@@ -79,9 +79,9 @@ pub fn digits(x: f64) -> String {
     }
 }
 
-/// A number with three significant digits and its unit; a pure number has none.
+/// A number with three significant digits and its unit; a pure number (`1` of a parameter, blank of a column) has none.
 pub fn with_unit(x: f64, unit: &str) -> String {
-    if unit == "1" { digits(x) } else { format!("{} {unit}", digits(x)) }
+    if matches!(unit, "" | "1") { digits(x) } else { format!("{} {unit}", digits(x)) }
 }
 
 #[cfg(test)]
@@ -109,7 +109,7 @@ mod tests {
     fn numbers_have_three_digits() {
         let cases = [(0.0, "0"), (4.9977, "5.00"), (14675.3, "14675"), (1e-12, "1.00e-12")];
         cases.into_iter().for_each(|(x, text)| assert_eq!(digits(x), text));
-        assert_eq!((with_unit(5.0, "1"), with_unit(0.25, "s")), ("5.00".to_string(), "0.250 s".to_string()));
+        assert_eq!(["1", "", "s"].map(|unit| with_unit(0.25, unit)), ["0.250", "0.250", "0.250 s"]);
     }
 
     #[test]

@@ -27,7 +27,6 @@ use crate::hypothesis::Hypothesis;
 use crate::parallel;
 use crate::setup::Setup;
 use nalgebra::DMatrix;
-use std::sync::Arc;
 
 /// Largest number of iterations of (3) and the fit. Numerical: a limit of effort; the scale of (4) is chosen afterwards.
 const REPETITIONS: usize = 8;
@@ -97,13 +96,6 @@ impl<'a> Setup<'a> {
         let fitted = setup.judged(fitted.hypothesis, runs)?;
         let is_plain_refuted = !strict.score(&plain.hypothesis, runs).is_ok_and(f64::is_finite);
         Ok(Some(Disagreement { setup, fitted, is_plain_refuted }))
-    }
-
-    /// The setup with a model that stops at its validity limits. The measured motor did not stop, so a stop refutes the model.
-    pub fn strict(&self) -> Self {
-        let mut bench = (*self.bench).clone();
-        bench.lenient = false;
-        Setup { bench: Arc::new(bench), ..self.clone() }
     }
 
     /// The setup with the additional standard deviations (4) of the outputs.

@@ -4,7 +4,7 @@ use crate::CalibrateError;
 use crate::beyond;
 use crate::blackbox::black_boxes;
 use crate::close_loop::Judgement;
-use crate::comparison::{self, digits, with_unit};
+use crate::comparison::{self, with_unit};
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
@@ -21,8 +21,6 @@ use crate::strain;
 use nalgebra::DMatrix;
 use physics::terms::Port;
 
-/// Largest number of rows of a run in plots. Definition: of the figures and of `residuals.csv`.
-const PLOTTED: usize = 600;
 /// One-sided 95 % quantile of the standard normal distribution. Definition: 95 % of the distribution are below.
 const BELOW: f64 = 1.645;
 /// Two parameters with at least this correlation are reported as hardly distinguishable. Source: O'Brien, Quality & Quantity 41 (2007)
@@ -230,7 +228,7 @@ fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
     let parts: Vec<String> = of_fit
         .map(|e| {
             let (name, unit) = column_words(e.column);
-            format!("{name} {} {unit}", digits(e.refit)).trim_end().to_string()
+            format!("{name} {}", with_unit(e.refit, unit))
         })
         .collect();
     (!parts.is_empty()).then(|| {
@@ -320,7 +318,7 @@ pub fn magnitude(point: &Linearization) -> String {
     let parts = point.setup.experiment.outputs.iter().zip(point.reach()).filter(|(_, reach)| *reach > 0.0);
     let change = |(channel, reach): (&&Channel, f64)| {
         let (name, unit) = column_words(channel.column);
-        format!("{name} by at most {} {unit}", digits(reach)).trim_end().to_string()
+        format!("{name} by at most {}", with_unit(reach, unit))
     };
     let parts: Vec<String> = parts.map(change).collect();
     format!("changes {}", parts.join(", "))
@@ -403,7 +401,7 @@ fn setting(setup: &Setup, hypothesis: &Hypothesis, run: usize) -> Result<Setting
 
 fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3], half: &Shown) -> Curves {
     let (of, m) = (&setup.experiment.runs[run], setup.outputs());
-    let rows: Vec<usize> = (0..of.table.time.len()).step_by(of.table.time.len().div_ceil(PLOTTED)).collect();
+    let rows = of.table.drawn();
     let inputs = setup.experiment.inputs.len();
     let outputs = setup.experiment.outputs.iter().enumerate().map(|(output, channel)| {
         let shown =

@@ -208,6 +208,11 @@ impl Experiment {
         self.inputs.len() + output
     }
 
+    /// The outputs that are temperatures.
+    pub fn thermometers(&self) -> Vec<usize> {
+        (0..self.outputs.len()).filter(|k| self.outputs[*k].is_temperature()).collect()
+    }
+
     /// Readings of an output in a run, row by row; NaN where there is none.
     pub fn readings(&self, run: usize, output: usize) -> &[f64] {
         &self.runs[run].table.columns[self.place_of(output)]

@@ -127,11 +127,7 @@ fn sentence(setup: &Setup, wrong: &Wrong) -> Unusable {
             ),
         ),
     };
-    Unusable {
-        channel: column.to_string(),
-        reason: format!("{column} in {place} agrees with the other channels {change}"),
-        suggestion,
-    }
+    Unusable::new(column, format!("{column} in {place} agrees with the other channels {change}"), suggestion)
 }
 
 /// What may be wrong with an instrument: a temperature has an effect of the list, a command has no sensor, and a gain of the power is the

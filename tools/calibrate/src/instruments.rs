@@ -26,16 +26,15 @@ pub fn error(experiment: &Experiment, runs: &[usize], output: usize) -> f64 {
     class * square.sqrt()
 }
 
-/// What one prediction accounts for beyond another, root mean square, relative to the error of instruments; of the output where this is most.
-pub fn accounts_for(setup: &Setup, runs: &[usize], [with, without]: [&[Shown]; 2]) -> f64 {
+/// Decrease of the mean square error of each output with one prediction from that without it, relative to that of instruments.
+pub fn decreases(setup: &Setup, runs: &[usize], [with, without]: [&[Shown]; 2]) -> Vec<f64> {
     let pairs = setup.squares(runs, with).into_iter().zip(setup.squares(runs, without));
-    greatest(setup, runs, pairs.map(|((with, count), (without, _))| (without - with) / count as f64))
+    relative(setup, runs, pairs.map(|((with, count), (without, _))| (without - with) / count as f64))
 }
 
-/// Whether the error of an output with one prediction is beyond that with another by more than instruments err, root mean square.
-pub fn is_beyond(setup: &Setup, runs: &[usize], output: usize, [with, without]: [&[Shown]; 2]) -> bool {
-    let [(with, count), (without, _)] = [with, without].map(|shown| setup.squares(runs, shown)[output]);
-    with - without > error(setup.experiment, runs, output).powi(2) * count as f64
+/// The greatest of such mean squares, as root mean square.
+pub fn greatest(squares: &[f64]) -> f64 {
+    squares.iter().copied().filter(|square| square.is_finite()).fold(0.0, f64::max).sqrt()
 }
 
 /// Whether what a fit leaves of the runs with these roles, beyond the noise, is within the error of instruments.
@@ -47,15 +46,13 @@ pub fn explain_rest(setup: &Setup, fitted: &Fitted, roles: &[Role]) -> Result<bo
         let runs = setup.runs(*role);
         let squares = setup.squares(&runs, &setup.show(&fitted.hypothesis, &runs)?).into_iter().enumerate();
         let squares = squares.map(|(k, (square, count))| square / count as f64 - setup.sigma(k).powi(2));
-        if greatest(setup, &runs, squares) >= 1.0 {
+        if greatest(&relative(setup, &runs, squares)) >= 1.0 {
             return Ok(false);
         }
     }
     Ok(true)
 }
 
-fn greatest(setup: &Setup, runs: &[usize], squares: impl Iterator<Item = f64>) -> f64 {
-    let ratios =
-        squares.enumerate().map(|(k, square)| square.max(0.0).sqrt() / error(setup.experiment, runs, k));
-    ratios.filter(|ratio| ratio.is_finite()).fold(0.0, f64::max)
+fn relative(setup: &Setup, runs: &[usize], squares: impl Iterator<Item = f64>) -> Vec<f64> {
+    squares.enumerate().map(|(k, square)| square / error(setup.experiment, runs, k).powi(2)).collect()
 }

@@ -44,6 +44,7 @@ use crate::parallel;
 use crate::report::count_of;
 use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
+pub(crate) use consistency::Mistake;
 pub use consistency::illustration::{Illustrated, Illustration, illustration};
 use physics::declare::Unit;
 use physics::model::Declaration;
@@ -233,9 +234,9 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
             let reading = column.iter().find(|x| beyond(x)).map_or(0.0, |x| x - channel.offset);
             let (least, most) = (least - channel.offset, most - channel.offset);
             if count as f64 > WRONG_UNIT * there as f64 || channel.unit == Unit::One {
-                return Some(Unusable {
-                    channel: channel.column.to_string(),
-                    reason: format!(
+                return Some(Unusable::new(
+                    channel.column,
+                    format!(
                         "{} reads {} in {}; its limits are {} and {}",
                         channel.column,
                         converted(reading),
@@ -243,11 +244,11 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
                         converted(least),
                         converted(most)
                     ),
-                    suggestion: format!(
+                    format!(
                         "check the unit of the column; [columns] converts other units, such as {}",
                         other_units(channel)
                     ),
-                });
+                ));
             }
             column.iter_mut().filter(|x| beyond(x)).for_each(|x| *x = f64::NAN);
             experiment.notes.push(format!(
@@ -361,14 +362,12 @@ fn nothing_left(experiment: &Experiment) -> Option<Unusable> {
     };
     let left: Vec<usize> = (0..experiment.outputs.len()).filter(|k| has(*k)).collect();
     left.is_empty().then(|| {
-        let channel = experiment.outputs[0].column.to_string();
-        Unusable {
-            reason: format!(
-                "no output has a usable reading in the runs that are fitted; first of all {channel}"
-            ),
-            suggestion: "repair the sensors that the notes name, or fit other runs".to_string(),
+        let channel = experiment.outputs[0].column;
+        Unusable::new(
             channel,
-        }
+            format!("no output has a usable reading in the runs that are fitted; first of all {channel}"),
+            "repair the sensors that the notes name, or fit other runs",
+        )
     })
 }
 

@@ -192,8 +192,7 @@ impl<'a> Linearization<'a> {
         if validation.is_empty() || self.runs != setup.runs(Role::Fit) {
             return None;
         }
-        let mut hypothesis = self.fitted.hypothesis.clone();
-        acting(setup, &mut hypothesis, &validation).ok()?;
+        let hypothesis = acting(setup, &self.fitted.hypothesis, &validation).ok()?;
         let fitted = setup.judged(hypothesis, &validation).ok()?;
         let slopes = Slopes::new(setup, &fitted.hypothesis, &validation, further).ok()?;
         let own = std::mem::replace(&mut self.fitted.hypothesis, fitted.hypothesis);

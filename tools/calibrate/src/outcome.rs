@@ -2,13 +2,14 @@
 
 use crate::CalibrateError;
 use crate::experiment::Role;
+use crate::intake::Mistake;
 use physics::terms::{GenericTerm, Port};
 
 /// Error over noise up to which a model explains the data. Definition: of that statement.
 const EXPLAINED: f64 = 2.0;
 
 /// Reason why the data cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Unusable {
     /// The faulty column.
     pub channel: String,
@@ -16,10 +17,20 @@ pub struct Unusable {
     pub reason: String,
     /// Suggested correction.
     pub suggestion: String,
+    /// The mistake in the columns that would explain it, for the figure of the corrected readings.
+    pub(crate) mistake: Option<Box<Mistake>>,
+}
+
+impl Unusable {
+    /// A fault that is no [`Mistake`].
+    pub fn new(channel: &str, reason: impl Into<String>, suggestion: impl Into<String>) -> Unusable {
+        let (reason, suggestion) = (reason.into(), suggestion.into());
+        Unusable { channel: channel.to_string(), reason, suggestion, mistake: None }
+    }
 }
 
 /// Reason why an experiment is rejected.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
     /// The data contradict the model, or too many sensors are set aside.
     Unusable(Unusable),

@@ -1,13 +1,17 @@
 //! Prepared experiment: bench, runs, parameters to fit, noise.
 
+mod blocks;
+
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Channel, Experiment, Prior, Role, Run};
+use crate::experiment::{Channel, Experiment, Prior, Role};
 use crate::hypothesis::Hypothesis;
 use crate::noise;
 use crate::overrides::Override;
 use crate::parallel;
 use crate::simulate::{Bench, Drive};
+use blocks::blocks;
+pub use blocks::{BLOCKS, Block};
 use nalgebra::DMatrix;
 use physics::model::{Entry, Slot};
 use physics::terms::Drivers;
@@ -22,9 +26,6 @@ pub const WIDE: f64 = 0.3;
 const HARDLY: f64 = 5.0;
 /// Limits of a parameter that cannot be zero: standard deviations of the logarithm, at least [`WIDE`]. Numerical: fits that diverge end.
 const FAR: f64 = 10.0;
-/// Blocks of a run, for each output: residuals are averaged over this number of sections of a run. Numerical: a run comprises some tens
-/// of time constants; twice as many change the penalty ln n by 0.7.
-pub const BLOCKS: usize = 400;
 /// A parameter further than this from its prior, in standard deviations, compensates for another effect. Derivation: 95 % quantile of
 /// the greatest of four deviations (Sidak, J. Am. Stat. Assoc. 62 (1967) 626-633).
 const ASTRAY: f64 = 2.5;
@@ -80,6 +81,11 @@ impl Declared {
         self.runs.as_ref().is_none_or(|runs| runs.contains(&run))
     }
 
+    /// Whether a prior of the experiment holds it.
+    pub fn is_held(&self) -> bool {
+        !self.is_free && !self.is_released
+    }
+
     /// Whether a value is inside the limits; a value at a limit stands in for something else.
     pub fn is_inside(&self, value: f64) -> bool {
         self.limits.0 < value && value < self.limits.1
@@ -89,17 +95,6 @@ impl Declared {
     pub fn astray(&self, value: f64) -> bool {
         (value - self.prior).abs() > ASTRAY * self.deviation
     }
-}
-
-/// Neighbouring rows of one output, averaged as a block.
-#[derive(Clone, Debug)]
-pub struct Block {
-    /// The output.
-    pub output: usize,
-    /// The rows with readings inside the window.
-    pub rows: Vec<u32>,
-    /// Time at its centre, s.
-    pub time: f64,
 }
 
 /// Prepared experiment.
@@ -203,6 +198,13 @@ impl<'a> Setup<'a> {
         bench.lenient = false;
         bench.deadline = Deadline::default();
         Setup { bench: Arc::new(bench), driven: Arc::clone(&self.drives), ..self.clone() }
+    }
+
+    /// Copy with a model that stops at its validity limits. The measured motor did not stop, so a stop refutes the model.
+    pub fn strict(&self) -> Setup<'a> {
+        let mut other = self.clone();
+        Arc::make_mut(&mut other.bench).lenient = false;
+        other
     }
 
     /// Copy with a deadline for its simulations.
@@ -374,23 +376,6 @@ impl<'a> Setup<'a> {
         }
         sums
     }
-
-    /// Means of values at rows (rows times outputs) over the blocks of a run, in units of their noise.
-    pub fn means(&self, run: usize, values: &[f64], out: &mut Vec<f64>) {
-        let m = self.outputs();
-        out.extend(self.blocks[run].iter().map(|block| {
-            let sum: f64 = block.rows.iter().map(|row| values[*row as usize * m + block.output]).sum();
-            sum / (self.sigma(block.output) * (block.rows.len() as f64).sqrt())
-        }));
-    }
-
-    /// Block means of the residual, in units of their noise.
-    pub fn residual(&self, run: usize, shown: &Shown, out: &mut Vec<f64>) {
-        let mut off = vec![0.0; shown.len()];
-        let m = self.outputs();
-        self.each(run, shown, |row, output, value| off[row * m + output] = value);
-        self.means(run, &off, out);
-    }
 }
 
 /// Unknowns of single files, with their runs if these are fitted: other runs keep the prior value.
@@ -413,88 +398,4 @@ fn of_one_run(experiment: &Experiment) -> Vec<(&Prior, Option<Vec<usize>>)> {
 
 fn within((from, to): (f64, f64), time: f64) -> bool {
     (from..=to).contains(&time)
-}
-
-fn blocks(experiment: &Experiment, run: &Run, window: (f64, f64)) -> Vec<Block> {
-    let inputs = experiment.inputs.len();
-    let time = &run.table.time;
-    let mut all = Vec::new();
-    for output in 0..experiment.outputs.len() {
-        let column = &run.table.columns[inputs + output];
-        let there: Vec<u32> = (0..time.len())
-            .filter(|k| within(window, time[*k]) && column[*k].is_finite())
-            .map(|k| k as u32)
-            .collect();
-        let length = there.len().div_ceil(BLOCKS).max(1);
-        all.extend(there.chunks(length).map(|rows| {
-            let middle = 0.5 * (time[rows[0] as usize] + time[rows[rows.len() - 1] as usize]);
-            Block { output, rows: rows.to_vec(), time: middle }
-        }));
-    }
-    all
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing;
-
-    /// 1000 rows make 334 blocks of three rows, the last of one row; rows outside the window and blanks belong to no block.
-    #[test]
-    fn blocks_hold_what_was_measured_and_counts() {
-        let mut experiment = testing::experiment("", true);
-        let run = &mut experiment.runs[0];
-        run.table.time = (0..1000).map(f64::from).collect();
-        for column in &mut run.table.columns {
-            *column = vec![300.0; 1000];
-        }
-        // 20 blanks in the voltage; no torque readings.
-        run.table.columns[4][100..120].fill(f64::NAN);
-        run.table.columns[5].fill(f64::NAN);
-        let all = (f64::NEG_INFINITY, f64::INFINITY);
-        let blocks_of = |window, output| -> Vec<Block> {
-            blocks(&experiment, &experiment.runs[0], window)
-                .into_iter()
-                .filter(|b| b.output == output)
-                .collect()
-        };
-        let rows = |blocks: &[Block]| blocks.iter().map(|b| b.rows.len()).sum::<usize>();
-        let whole = blocks_of(all, 2);
-        assert_eq!((whole.len(), rows(&whole), whole[333].rows.len()), (334, 1000, 1));
-        assert_eq!((whole[1].rows.as_slice(), whole[1].time), (&[3, 4, 5][..], 4.0));
-        let gap = blocks_of(all, 0);
-        assert_eq!((gap.len(), rows(&gap)), (980usize.div_ceil(3), 980));
-        assert!(gap.iter().flat_map(|b| &b.rows).all(|r| !(100..120).contains(r)));
-        assert!(blocks_of(all, 1).is_empty());
-        let part = blocks_of((100.0, 299.0), 3);
-        assert_eq!((part.len(), part[0].rows[0], part[199].rows[0]), (200, 100, 299));
-    }
-
-    /// For white noise, block means in units of their noise have variance 1 for any block length.
-    #[test]
-    fn means_of_white_noise_have_variance_one() {
-        let experiment = testing::experiment("", true);
-        let mut setup = Setup::new(&experiment, &[]).unwrap();
-        let rows = 300;
-        for length in [1, 4] {
-            let of = |output: usize| {
-                let all: Vec<u32> = (0..rows).collect();
-                let chunks: Vec<Vec<u32>> = all.chunks(length).map(<[u32]>::to_vec).collect();
-                chunks.into_iter().map(move |rows| Block { output, rows, time: 0.0 })
-            };
-            setup.blocks[0] = Arc::new((0..4).flat_map(of).collect());
-            let mut rng = testing::rng(5);
-            let (mut sum, mut count) = (0.0, 0);
-            for _ in 0..20 {
-                let values: Vec<f64> =
-                    (0..rows as usize * 4).map(|k| setup.sigma(k % 4) * testing::normal(&mut rng)).collect();
-                let mut means = Vec::new();
-                setup.means(0, &values, &mut means);
-                sum += means.iter().map(|x| x * x).sum::<f64>();
-                count += means.len();
-            }
-            let variance = sum / count as f64;
-            assert!((variance - 1.0).abs() < 0.05, "{length}: {variance}");
-        }
-    }
 }

@@ -47,11 +47,11 @@ pub fn notes(experiment: &Experiment, declared: &[Declared], values: &[f64]) -> 
 }
 
 fn is_store(d: &Declared) -> bool {
-    !d.is_free && !d.is_released && d.prior > 0.0 && STORES.iter().any(|unit| unit.name() == d.unit)
+    d.is_held() && d.prior > 0.0 && STORES.iter().any(|unit| unit.name() == d.unit)
 }
 
 fn is_strained(d: &Declared, value: f64) -> bool {
-    !d.is_free && !d.is_released && (value - d.prior).abs() > CERTAIN * d.deviation
+    d.is_held() && (value - d.prior).abs() > CERTAIN * d.deviation
 }
 
 /// (1)

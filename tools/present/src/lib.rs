@@ -47,6 +47,9 @@ pub(crate) const DARK: Palette = Palette {
     series: ["#58b0f0", "#ff8c42", "#3fd1a4", "#e59fce", "#d0d7de", "#f7d560", "#9bd6ff", "#d2a679"],
 };
 
+/// Sizes of numbers that are written without an exponent.
+pub const PLAIN: std::ops::Range<f64> = 1e-4..1e5;
+
 /// A number with four significant digits, in ASCII: for texts that programs may read. [`typeset`] gives it the signs of pages and figures.
 pub fn number(value: f64) -> String {
     if !value.is_finite() {
@@ -60,7 +63,7 @@ pub fn number(value: f64) -> String {
         false => text.to_owned(),
     };
     let size = value.abs();
-    if (1e-4..1e5).contains(&size) {
+    if PLAIN.contains(&size) {
         let digits = (3.0 - size.log10().floor()).max(0.0) as usize;
         return short(&format!("{value:.digits$}"));
     }

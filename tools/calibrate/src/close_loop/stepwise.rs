@@ -77,8 +77,7 @@ impl<'a> Search<'a> {
         }
         let all: Vec<usize> = self.first.runs.iter().chain(&of_validation[0]).copied().collect();
         let over = |point: &Linearization| -> Result<Linearization<'a>, CalibrateError> {
-            let mut hypothesis = point.fitted.hypothesis.clone();
-            acting(self.setup, &mut hypothesis, &of_validation[0])?;
+            let hypothesis = acting(self.setup, &point.fitted.hypothesis, &of_validation[0])?;
             Linearization::judged(self.setup, self.setup.judged(hypothesis, &all)?, &all)
         };
         // Of the fit and validation runs.

@@ -29,7 +29,15 @@ const NEARBY: usize = 10;
 /// Number of gaps from which a note counts them. Numerical: a reader sees three at a glance.
 const FEW_GAPS: usize = 4;
 
+/// Largest number of rows of a run in figures. Definition: of the figures and of `residuals.csv`.
+const DRAWN: usize = 600;
+
 impl Table {
+    /// The rows that figures show.
+    pub fn drawn(&self) -> Vec<usize> {
+        (0..self.time.len()).step_by(self.time.len().div_ceil(DRAWN)).collect()
+    }
+
     /// Reads the requested channels from a file. `wanted` has the order of [`Table::columns`], `mapped` are the
     /// headers of `[columns]`, `blank` the columns that are not in the file.
     ///

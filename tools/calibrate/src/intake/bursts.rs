@@ -26,7 +26,7 @@ const WHOLE: f64 = 0.5;
 pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) {
     let least = bound(experiment);
     let mut model = None;
-    for output in (0..experiment.outputs.len()).filter(|k| experiment.outputs[*k].is_temperature()) {
+    for output in experiment.thermometers() {
         let (place, channel) = (experiment.place_of(output), experiment.outputs[output]);
         let quantised = noise::quantised(experiment, place, channel);
         for run in 0..experiment.runs.len() {

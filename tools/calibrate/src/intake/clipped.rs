@@ -75,15 +75,15 @@ pub fn input(experiment: &Experiment) -> Option<Unusable> {
     let (run, channel, column, end) = found.into_iter().next()?;
     let count = column.iter().filter(|x| **x == end).count();
     let unit = channel.unit.name();
-    Some(Unusable {
-        channel: channel.column.to_string(),
-        reason: format!(
+    Some(Unusable::new(
+        channel.column,
+        format!(
             "{} in {} is exactly {end} {unit} in {count} rows, and its other readings have noise: the instrument or the logger ends \
              there, and the true value is unknown",
             channel.column, run.file
         ),
-        suggestion: format!("measure {} with a greater range, or leave the run out", channel.column),
-    })
+        format!("measure {} with a greater range, or leave the run out", channel.column),
+    ))
 }
 
 /// The largest reading (`side` 1) or the smallest (-1), if it is the end of the sensor's range: it occurs far more often than the

@@ -18,18 +18,18 @@ pub fn found(experiment: &Experiment, predicted: &Predicted) -> Option<Unusable>
         .find_map(|(run, model, row)| Some((run, row, jump(experiment, run, model, row)?)))?;
     let (from, to) = (run.table.time[row], run.table.time[row + 1]);
     let gap = converted(to - from);
-    Some(Unusable {
-        channel: "time_s".to_string(),
-        reason: format!(
+    Some(Unusable::new(
+        "time_s",
+        format!(
             "time_s in {} goes from {from} s to {to} s in one row, while the motor goes on: {name} changes by {measured:.2} K, and by \
              {meant:.2} K in the model",
             run.file
         ),
-        suggestion: format!(
+        format!(
             "if the clock was set there (summer time, synchronisation), subtract about {gap} s from the later times of {}",
             run.file
         ),
-    })
+    ))
 }
 
 /// The output whose change across a gap is most unlike the predicted one: its column, the measured and the predicted change; `None` if one

@@ -140,12 +140,11 @@ pub fn in_runs(
                 (first, format!("every output, compared with {first} and the other inputs: {}", words("it")))
             }
         };
-        return Ok(Some(Unusable {
-            channel: channel.to_string(),
-            reason: format!("{reason}{place}"),
-            suggestion: "give all columns one clock: move the times of the column that is late or early"
-                .to_string(),
-        }));
+        return Ok(Some(Unusable::new(
+            channel,
+            format!("{reason}{place}"),
+            "give all columns one clock: move the times of the column that is late or early",
+        )));
     }
     Ok(None)
 }

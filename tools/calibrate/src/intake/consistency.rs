@@ -50,7 +50,7 @@ use crate::hypothesis::Hypothesis;
 use crate::levels::{CERTAIN, FACTOR, NEARLY, SAMPLES, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
-use mistakes::Mistake;
+pub use mistakes::Mistake;
 use search::{Found, search, wrong_time, wrong_value};
 
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].

@@ -20,16 +20,14 @@ pub fn repeated(experiment: &Experiment) -> Option<Unusable> {
         let same = |(a, b): &&(usize, usize)| is_copy(&run.table.columns[*a], &run.table.columns[*b]);
         let (a, b) = alike.iter().find(same)?;
         let [first, second] = [a, b].map(|k| channels[*k].column);
-        Some(Unusable {
-            channel: first.to_string(),
-            reason: format!(
+        Some(Unusable::new(
+            first,
+            format!(
                 "{first} and {second} in {} have the same readings, which two sensors never have",
                 run.file
             ),
-            suggestion: format!(
-                "check which sensor {first} and {second} are of; leave one of the columns out"
-            ),
-        })
+            format!("check which sensor {first} and {second} are of; leave one of the columns out"),
+        ))
     })
 }
 
@@ -46,16 +44,16 @@ pub fn of_another_file(experiment: &Experiment) -> Option<Unusable> {
         let copied = experiment.outputs.iter().enumerate().filter(|(k, _)| is_same(inputs + k));
         let names: Vec<&str> = copied.map(|(_, channel)| channel.column).collect();
         let first = names.first()?;
-        (0..inputs).any(is_other).then(|| Unusable {
-            channel: first.to_string(),
-            reason: format!(
+        (0..inputs).any(is_other).then(|| Unusable::new(
+            first,
+            format!(
                 "{} in {} and in {} are the same readings, row by row, although the inputs differ: one of the files has the readings of the other",
                 names.join(", "),
                 runs[a].file,
                 runs[b].file
             ),
-            suggestion: format!("export {} and {} again, each with its own readings", runs[a].file, runs[b].file),
-        })
+            format!("export {} and {} again, each with its own readings", runs[a].file, runs[b].file),
+        ))
     })
 }
 

@@ -34,17 +34,16 @@ pub fn found(experiment: &Experiment, predicted: &[Vec<Vec<f64>>]) -> Option<Unu
                 {
                     let (a, b) = (run.table.time[from], run.table.time[to]);
                     let other = experiment.outputs[output].column;
-                    return Some(Unusable {
-                        channel: channel.column.to_string(),
-                        reason: format!(
+                    return Some(Unusable::new(
+                        channel.column,
+                        format!(
                             "{} in {} stands at {} from {a} s to {b} s, although it varies elsewhere, and {other} does not agree with that",
                             channel.column,
                             run.file,
                             column[from] - channel.offset
                         ),
-                        suggestion: "leave the run out, or end its window before the sensor failed"
-                            .to_string(),
-                    });
+                        "leave the run out, or end its window before the sensor failed",
+                    ));
                 }
             }
         }

@@ -83,8 +83,7 @@ pub(super) fn set_aside(
     (fitted, known): (&[Predicted], &mut Vec<usize>),
     deadline: &Deadline,
 ) -> Result<bool, CalibrateError> {
-    let thermometers: Vec<usize> =
-        (0..experiment.outputs.len()).filter(|k| experiment.outputs[*k].is_temperature()).collect();
+    let thermometers = experiment.thermometers();
     let inputs = experiment.inputs.len();
     // A thermometer that has moved spoils the fit from which another one then drifts.
     let is_moved = |run: &usize| {

@@ -16,8 +16,7 @@ use crate::noise;
 
 /// Sets aside, in each run, the thermometers that show the temperature of another one, with notes.
 pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) {
-    let warm: Vec<usize> =
-        (0..experiment.outputs.len()).filter(|k| experiment.outputs[*k].is_temperature()).collect();
+    let warm = experiment.thermometers();
     if warm.len() < 2 {
         return;
     }

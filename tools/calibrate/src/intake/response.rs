@@ -212,8 +212,7 @@ pub fn set_aside(
         }
     }
     // Two thermometers do not fail together: what both read is the heat, and the prediction is wrong.
-    let warm: Vec<usize> =
-        (0..experiment.outputs.len()).filter(|k| experiment.outputs[*k].is_temperature()).collect();
+    let warm = experiment.thermometers();
     for failure in failures.iter_mut().filter(|f| warm.contains(&f.output)) {
         let own = off(failure.output, failure.output, failure.run);
         let bad: Vec<usize> =

@@ -43,7 +43,7 @@ fn off_ambient(experiment: &mut Experiment, least: impl Fn(usize) -> f64) -> Opt
             "state start = \"measured\" in [[run]] if the motor was warm, else check the sensor of {column} and its place{alone}"
         );
         if is_off(FAR) {
-            return Some(Unusable { channel: column.to_string(), reason, suggestion });
+            return Some(Unusable::new(column, reason, suggestion));
         }
         notes.push(format!("{reason}: {suggestion}; it is simulated from the measured temperatures"));
         warm.push(r);

@@ -9,7 +9,7 @@ use crate::comparison::{digits, with_unit};
 use crate::deadline::Deadline;
 use crate::experiment::Role;
 use crate::fit::Fitted;
-use crate::instruments::{self, accounts_for};
+use crate::instruments;
 use crate::intake::mean_square;
 use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, PART, STRUCTURE};
 use crate::linearization::Linearization;
@@ -84,7 +84,7 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
         })
     });
     let [with, without] = [&candidate.point, before].map(|point| point.fitted.shown.as_slice());
-    let seen = accounts_for(before.setup, &before.runs, [with, without]);
+    let seen = instruments::greatest(&instruments::decreases(before.setup, &before.runs, [with, without]));
     let seen = validated.map_or(seen, |v| v.seen.max(seen));
     // A physical effect has one form, and a lag is no error of an instrument's reading; a law or an offset fits what other nodes leave.
     let addition = candidate.addition();
@@ -241,8 +241,9 @@ impl Validated {
         let [with, without] = shown.map(|shown| setup.chi_squares(runs, shown));
         let fall = |k: usize| (without[k] - with[k]) / candidate.point.evidence.inflation(k);
         let falls: Vec<f64> = (0..with.len()).map(fall).collect();
-        let worse = worst(&with, &without, &falls, |k| instruments::is_beyond(setup, runs, k, shown));
-        let seen = accounts_for(setup, runs, shown);
+        let decreases = instruments::decreases(setup, runs, shown);
+        let worse = worst(&with, &without, &falls, |k| decreases[k] < -1.0);
+        let seen = instruments::greatest(&decreases);
         let [with, without, fall] = [with, without, falls].map(|parts| parts.iter().sum());
         Validated { with, without, fall, density: None, seen, worse }
     }
@@ -271,11 +272,8 @@ fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Va
     let addition = candidate.addition();
     let partly = addition.active.iter().any(|on| !on);
     if !runs.is_empty() {
-        let mut without = before.fitted.hypothesis.clone();
-        acting(&judge, &mut without, &runs)?;
-        let without = judge.show(&without, &runs)?;
-        let mut with = candidate.point.fitted.hypothesis.clone();
-        acting(&judge, &mut with, &runs)?;
+        let without = judge.show(&acting(&judge, &before.fitted.hypothesis, &runs)?, &runs)?;
+        let with = acting(&judge, &candidate.point.fitted.hypothesis, &runs)?;
         let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
         let shown = judge.show(&with, &runs)?;
         if !partly || active {

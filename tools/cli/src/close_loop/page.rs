@@ -186,25 +186,22 @@ fn errors(outcome: &Outcome) -> Markup {
     }
 }
 
-/// What there is of the models of the errors. Without an added effect, refit and after are one model, the fitted one.
-fn models<'a, T, const N: usize>(outcome: &Outcome, all: [(&'a str, T); N]) -> Vec<(&'a str, T)> {
-    let is_fitted = outcome.effects.is_empty();
-    let kept = all.into_iter().filter(|(name, _)| !(is_fitted && *name == "refit"));
-    kept.map(|(name, of)| (if is_fitted && name == "after" { "fitted" } else { name }, of)).collect()
+/// What there is of the models, by name. Without an added effect, refit and after are one model, the fitted one.
+fn models<'a, T>(outcome: &Outcome, all: impl IntoIterator<Item = (&'a str, T)>) -> Vec<(String, T)> {
+    let all = all.into_iter();
+    if !outcome.effects.is_empty() {
+        return all.map(|(name, of)| (name.to_owned(), of)).collect();
+    }
+    let kept = all.filter(|(name, _)| !name.ends_with("refit"));
+    kept.map(|(name, of)| (name.replace("after", "fitted"), of)).collect()
 }
 
 /// A table with columns of these models.
 fn models_table(outcome: &Outcome, headers: &[&str], rows: Vec<Vec<Cell>>) -> Markup {
-    if !outcome.effects.is_empty() {
-        return table(headers, rows);
-    }
-    let is_kept = |k: usize| !headers[k].ends_with("refit");
-    let kept = headers.iter().filter(|header| !header.ends_with("refit"));
-    let names: Vec<String> = kept.map(|header| header.replace("after", "fitted")).collect();
-    let cells = |row: Vec<Cell>| {
-        row.into_iter().enumerate().filter(|(k, _)| is_kept(*k)).map(|(_, cell)| cell).collect()
-    };
-    table(&names.iter().map(String::as_str).collect::<Vec<_>>(), rows.into_iter().map(cells).collect())
+    let names = models(outcome, headers.iter().map(|header| (*header, ())));
+    let names: Vec<&str> = names.iter().map(|(name, ())| name.as_str()).collect();
+    let cells = |row| models(outcome, headers.iter().copied().zip(row)).into_iter().map(|(_, cell)| cell);
+    table(&names, rows.into_iter().map(|row: Vec<Cell>| cells(row).collect()).collect())
 }
 
 fn limits(outcome: &Outcome, words: Words) -> Markup {

@@ -92,7 +92,7 @@ fn the_report_states_whether_the_model_explains_the_data() {
         outcome.errors.iter_mut().for_each(|e| e.instruments = 10.0 * e.floor);
         assert!(outcome.remaining_error().is_none());
     }
-    let why = Unusable { channel: String::new(), reason: String::new(), suggestion: String::new() };
+    let why = Unusable::new("", "", "");
     let report = Report::unusable(("a", "b"), &why, &[], (0.0, 0.0));
     assert!(serde_json::to_value(&report).unwrap()["explains_data"].is_null());
 }
@@ -246,11 +246,11 @@ fn page_from(data: page::Data, outcome: &Outcome) -> String {
 #[test]
 fn a_page_has_no_raw_keys() {
     let experiment = sample::experiment();
-    let why = Unusable {
-        channel: "voltage_V".to_owned(),
-        reason: "voltage_V in run-1.csv contradicts the model".to_owned(),
-        suggestion: "check unit and sign of voltage_V".to_owned(),
-    };
+    let why = Unusable::new(
+        "voltage_V",
+        "voltage_V in run-1.csv contradicts the model",
+        "check unit and sign of voltage_V",
+    );
     let declaration = (describe::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
     let unusable = page::unusable(&experiment, (&why, None), declaration, &sample::made_of());
     for page in ALL.map(page_of).into_iter().chain([unusable]) {

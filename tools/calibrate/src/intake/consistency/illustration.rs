@@ -1,12 +1,9 @@
 //! Readings that contradict the model, for a figure: as recorded, as predicted and as corrected.
 
-use super::mistakes::{Mistake, mistakes};
+use super::Mistake;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role};
 use crate::intake::{Unusable, predicted};
-
-/// Largest number of rows of a figure. Definition: of the figure.
-const DRAWN: usize = 600;
 
 /// A run with readings that contradict the model. Temperatures in degC.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,13 +47,16 @@ pub fn illustration(
     let named = experiment.runs.iter().find(|run| why.reason.contains(&run.file));
     let run = named.or_else(|| experiment.runs.iter().find(|run| run.role == Role::Fit))?;
     let alone = Experiment { runs: vec![run.clone()], ..experiment.clone() };
-    let mistake = mistake(experiment, &why.reason);
-    let meant = mistake.as_ref().map(|mistake| {
+    // Corrected values of these require the model.
+    let is_drawn =
+        |mistake: &&Mistake| !matches!(mistake, Mistake::Unmeasured { .. } | Mistake::Magnitude(_));
+    let mistake = why.mistake.as_deref().filter(is_drawn);
+    let meant = mistake.map(|mistake| {
         let mut meant = alone.clone();
         mistake.apply(&mut meant, &[0]);
         meant
     });
-    let mut touched = mistake.as_ref().map_or_else(|| vec![place], Mistake::touches);
+    let mut touched = mistake.map_or_else(|| vec![place], Mistake::touches);
     // An input is judged by the outputs, which follow.
     if touched.iter().any(|k| *k < inputs) {
         let others: Vec<usize> = (inputs..all.len()).filter(|k| !touched.contains(k)).collect();
@@ -65,7 +65,7 @@ pub fn illustration(
     let simulated = |data: &Experiment| predicted(data, preset, &[0], deadline).pop().unwrap_or_default();
     let as_recorded = simulated(&alone);
     let as_meant = meant.as_ref().map(simulated);
-    let rows: Vec<usize> = (0..run.table.time.len()).step_by(run.table.time.len().div_ceil(DRAWN)).collect();
+    let rows = run.table.drawn();
     let drawn = |column: &[f64], k: usize| -> Option<Vec<f64>> {
         let values: Vec<f64> = rows.iter().map(|row| column[*row] - all[k].offset).collect();
         values.iter().any(|x| x.is_finite()).then_some(values)
@@ -77,7 +77,7 @@ pub fn illustration(
         let (before, after) = (output(k, &as_recorded), as_meant.as_ref().and_then(|m| output(k, m)));
         Some(Illustrated {
             column: all[k].column,
-            corrected: corrected.filter(|_| mistake.as_ref().is_some_and(|m| m.touches().contains(&k))),
+            corrected: corrected.filter(|_| mistake.is_some_and(|m| m.touches().contains(&k))),
             predicted_corrected: if before == after { None } else { after },
             recorded: recorded?,
             predicted: before,
@@ -87,33 +87,24 @@ pub fn illustration(
     Some(Illustration {
         file: run.file.clone(),
         time: rows.iter().map(|row| run.table.time[*row] - first).collect(),
-        change: mistake.as_ref().and_then(Mistake::change).map(str::to_owned),
+        change: mistake.and_then(Mistake::change).map(str::to_owned),
         channels: touched.into_iter().filter_map(channel).collect(),
     })
 }
 
-/// The mistake that a reason is about; one whose correction needs the model is left out.
-fn mistake(experiment: &Experiment, reason: &str) -> Option<Mistake> {
-    let places: Vec<&str> =
-        experiment.runs.iter().map(|run| run.file.as_str()).chain(["every run"]).collect();
-    mistakes(experiment)
-        .into_iter()
-        .filter(|m| !matches!(m, Mistake::Unmeasured { .. } | Mistake::Magnitude(_) | Mistake::Time(..)))
-        .find(|m| places.iter().any(|files| reason.starts_with(&m.words(experiment, files).1)))
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::mistakes::mistakes;
     use super::*;
     use crate::experiment::CELSIUS;
     use crate::testing;
 
     fn why(mistake: &Mistake, experiment: &Experiment) -> Unusable {
         let (channel, reason, suggestion) = mistake.words(experiment, "every run");
-        Unusable { channel, reason: format!("{reason} (equally readings times 2)"), suggestion }
+        Unusable { mistake: Some(Box::new(mistake.clone())), ..Unusable::new(&channel, reason, suggestion) }
     }
 
-    /// Each unit mistake is found again by its words, and its correction brings the readings to the prediction.
+    /// The correction of each unit mistake, and of a factor that is no unit, brings the readings to the prediction.
     #[test]
     fn readings_are_drawn_as_recorded_and_as_meant() {
         let mut right = testing::experiment(testing::PRIORS, true);
@@ -121,7 +112,9 @@ mod tests {
         testing::read(&mut right, &preset, None);
         let inputs = right.inputs.len();
         let winding = right.outputs.iter().position(|c| c.is_temperature()).unwrap();
-        for mistake in mistakes(&right) {
+        let words = "readings times 3.000".to_string();
+        let factor = Mistake::Affine { columns: vec![inputs + winding], factor: 3.0, offset: 0.0, words };
+        for mistake in mistakes(&right).into_iter().chain([factor]) {
             let Mistake::Affine { columns, factor, offset, .. } = &mistake else { continue };
             if *columns != [inputs + winding] {
                 continue;

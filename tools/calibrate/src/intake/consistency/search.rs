@@ -94,7 +94,10 @@ pub(super) fn search(
         suggestions.push(format!("check the value of {name} in [set] and [prior]"));
     }
     let channel = channel.unwrap_or_default();
-    let why = Unusable { channel, reason: reasons.join("; "), suggestion: suggestions.join("; ") };
+    let why = Unusable {
+        mistake: Some(Box::new(found[0][0].clone())),
+        ..Unusable::new(&channel, reasons.join("; "), suggestions.join("; "))
+    };
     Ok(Some(Found { why, data: at }))
 }
 
@@ -125,7 +128,7 @@ pub(super) fn wrong_time(
     let as_meant = fitted(whole, &data)?;
     let agrees = !as_meant.is_cut && as_meant.bad_runs().is_empty();
     let (channel, reason, suggestion) = mistake.words(experiment, files);
-    Ok(agrees.then_some(Unusable { channel, reason, suggestion }))
+    Ok(agrees.then_some(Unusable::new(&channel, reason, suggestion)))
 }
 
 /// Parameters of [set] and [prior] whose other value explains the unchanged data as well as the corrected mistakes: name, that value and
@@ -160,10 +163,12 @@ pub(super) fn wrong_value(
         is_unit && is_far && !cost.is_cut && cost.follows_all() && as_is.is_worse_than(cost, FACTOR, None)
     });
     let best = agree.min_by(|a, b| a.1.whole().total_cmp(&b.1.whole()));
-    Ok(best.map(|(name, _, value, own)| Unusable {
-        reason: format!("{name} = {own:.4} contradicts the data, which agree with the model for {value:.4}"),
-        suggestion: format!("check the value and the unit of {name} in [set], [prior] and the preset"),
-        channel: name,
+    Ok(best.map(|(name, _, value, own)| {
+        Unusable::new(
+            &name,
+            format!("{name} = {own:.4} contradicts the data, which agree with the model for {value:.4}"),
+            format!("check the value and the unit of {name} in [set], [prior] and the preset"),
+        )
     }))
 }
 

@@ -32,17 +32,17 @@ pub fn found(experiment: &Experiment, preset: &[(u32, f64)], deadline: &Deadline
         let judge = Judge { runs: &runs, ..Judge::of(preset, &all, deadline) };
         let (channel, span) = in_file(&judge, experiment)?;
         let (name, unit) = (channel.column, channel.unit.name());
-        Some(Unusable {
-            channel: name.to_string(),
-            reason: format!(
+        Some(Unusable::new(
+            name,
+            format!(
                 "{name} in {file} wraps around: readings beyond the end of the range of its numbers are off by {} {unit}, and agree with the \
                  model if that is added or subtracted",
                 converted(span)
             ),
-            suggestion: format!(
+            format!(
                 "record {name} with a wider integer type or a counter that counts its overflows, or unwrap the readings by this span"
             ),
-        })
+        ))
     })
 }
 

@@ -15,8 +15,8 @@ use present::page::{Plate, plates};
 pub const WITHIN_95: f64 = 1.96;
 
 /// The name of the final model in legends.
-pub fn last_model(outcome: &Outcome) -> &'static str {
-    models(outcome, [("after", ())])[0].0
+pub fn last_model(outcome: &Outcome) -> String {
+    models(outcome, [("after", ())]).remove(0).0
 }
 
 /// A column in words with its unit; a temperature in degC.
@@ -75,7 +75,7 @@ pub fn forest(words: Words, outcome: &Outcome) -> Plate {
     let figure = Rows::new(
         "Change of the parameters from the preset",
         "change in standard deviations of the prior",
-        &[last_model(outcome), if outcome.effects.is_empty() { "" } else { "refit" }, "prior"],
+        &[&last_model(outcome), if outcome.effects.is_empty() { "" } else { "refit" }, "prior"],
         outcome.parameters.iter().filter_map(row).collect(),
     );
     Plate::new(

@@ -1,13 +1,11 @@
 //! Numbers with as many digits as they are worth.
 
-use present::number;
+use present::{PLAIN, number};
 
 /// Digits of a value that is uncertain: a noise, a deviation, an interval.
 const UNCERTAIN: i32 = 2;
 /// Digits that no interval needs more of.
 const MOST: i32 = 6;
-/// Sizes that are written without an exponent.
-const PLAIN: std::ops::Range<f64> = 1e-4..1e5;
 
 /// The power of ten of a size.
 fn decade(size: f64) -> i32 {

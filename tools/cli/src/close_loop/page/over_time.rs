@@ -115,7 +115,7 @@ pub fn compared(part: &Part, data: Data, outcome: &Outcome) -> Plate {
             true => figure.points("measured", points),
             false => figure.line("measured", points),
         };
-        figure = figure.colour(1).line(last_model(outcome), part.line(curve.after.iter().copied()));
+        figure = figure.colour(1).line(&last_model(outcome), part.line(curve.after.iter().copied()));
         has_rings |= !rings.is_empty();
         figure = with_aside(figure, rings);
         let name = column_words(curve.column).0;
@@ -307,7 +307,7 @@ pub fn residuals(part: &Part, outcome: &Outcome) -> Vec<Plate> {
 }
 
 /// Residual of a model over time: its name, its colour and the points.
-type Residual<'a> = (&'a str, usize, Vec<(f64, f64)>);
+type Residual = (String, usize, Vec<(f64, f64)>);
 
 fn residual(part: &Part, curve: &Curve, model: &[f64]) -> Vec<(f64, f64)> {
     let rows = part.curves.time.iter().zip(&curve.measured).zip(model);
