@@ -102,14 +102,6 @@ fn rest(options: Options, begun: Instant, part: f64) -> Deadline {
     rest.map_or_else(Deadline::default, Deadline::after)
 }
 
-/// A result; `None` if the deadline ended its simulations, which is no mistake in the input.
-fn in_time<T>(deadline: &Deadline, result: Result<T, CalibrateError>) -> Result<Option<T>, CalibrateError> {
-    match result {
-        Err(_) if deadline.is_near() => Ok(None),
-        result => result.map(Some),
-    }
-}
-
 /// The outcome of a second search, or none if it fails; unusable data are an answer.
 fn unless_unusable(searched: Result<Outcome, Refusal>) -> Result<Option<Outcome>, Refusal> {
     match searched {
@@ -132,7 +124,7 @@ fn closed(
     let plain = setup.refit(&setup.runs(Role::Fit));
     let other = match &plain {
         Ok(plain) if !deadline.is_near() => {
-            in_time(&deadline, setup.between_runs(plain, &setup.runs(Role::Fit)))?.flatten()
+            deadline.in_time(setup.between_runs(plain, &setup.runs(Role::Fit)))?.flatten()
         }
         _ => None,
     };
@@ -186,13 +178,13 @@ fn attempt<'a>(
     let mut looked = None;
     is_cut |= options.extent == Extent::Unchecked;
     if !(options.extent == Extent::Fit || is_thin || is_cut) {
-        looked = in_time(&deadline, Search::new(&setup, refit.clone(), &fit))?;
+        looked = deadline.in_time(Search::new(&setup, refit.clone(), &fit))?;
         is_cut = looked.is_none();
     }
     if let Some(search_of) = &looked
-        && let Some(mut released) =
-            in_time(&deadline, better_than_effects(&search_of.first, &search_of.scored[0], &search_of.known))?
-                .flatten()
+        && let Some(mut released) = deadline
+            .in_time(better_than_effects(&search_of.first, &search_of.scored[0], &search_of.known))?
+            .flatten()
     {
         released.setup.noise = measured;
         return attempt(released.setup, Ok(released.fitted), options, progress);
@@ -225,7 +217,7 @@ fn attempt<'a>(
             search_of.notes.push(format!("whether one law stands behind two effects could not be seen: {e}"));
         }
     }
-    if let Some(unusable) = in_time(&deadline, search_of.error_of_an_input())?.flatten() {
+    if let Some(unusable) = deadline.in_time(search_of.error_of_an_input())?.flatten() {
         return Err(Refusal::Unusable(unusable));
     }
     let is_cut = deadline.is_near();

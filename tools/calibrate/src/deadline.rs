@@ -1,5 +1,6 @@
 //! Deadline of a search: after the soft limit no new work starts, at the hard limit simulations stop.
 
+use crate::CalibrateError;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -64,6 +65,17 @@ impl Deadline {
     /// Whether the hard limit has passed: running work must stop.
     pub fn is_over(&self) -> bool {
         self.has_passed(|_, hard| hard)
+    }
+
+    /// A result; `None` if the deadline ended its simulations, which is no mistake in the input.
+    ///
+    /// # Errors
+    /// The error of the result before the deadline.
+    pub fn in_time<T>(&self, result: Result<T, CalibrateError>) -> Result<Option<T>, CalibrateError> {
+        match result {
+            Err(_) if self.is_near() => Ok(None),
+            result => result.map(Some),
+        }
     }
 
     /// Removes the deadline for the work after the search.
