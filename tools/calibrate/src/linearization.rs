@@ -96,22 +96,23 @@ impl<'a> Linearization<'a> {
         Linearization::of(setup, fitted, runs, &[], std::slice::from_ref(port))
     }
 
-    /// Columns of the correction of an input in these runs by one number, of which the input has this derivative at each reading: to first
-    /// order, the response to an error of its instrument.
-    pub fn input_column(
+    /// Columns of the correction of an input in these runs by `count` numbers, of which the input has the derivative `weight` (number, run,
+    /// row): to first order, the response to an error of its instrument.
+    pub fn input_columns(
         &self,
         input: usize,
         runs: &[usize],
-        slope: impl Fn(f64) -> f64,
+        count: usize,
+        weight: impl Fn(usize, usize, usize) -> f64,
     ) -> Option<DMatrix<f64>> {
         let place = self.ports.len() + input;
-        self.columns(1, |r, _| {
-            if !runs.contains(&self.runs[r]) {
+        self.columns(count, |r, k| {
+            let run = self.runs[r];
+            if !runs.contains(&run) {
                 return Some(None);
             }
-            let readings = &self.setup.driven[self.runs[r]].inputs()[input];
             let direction = self.further(r)[place].as_ref()?;
-            Some(Some(self.slopes.tangents[r].response(direction, |row| slope(readings[row]))))
+            Some(Some(self.slopes.tangents[r].response(direction, |row| weight(k, run, row))))
         })
     }
 

@@ -334,10 +334,10 @@ impl Drive {
         self.inputs[input].iter().fold(1.0, |most, x| most.max(x.abs()))
     }
 
-    /// Copy of the run with a function of one input in place of it.
-    pub fn with_input(&self, input: usize, of: impl Fn(f64) -> f64) -> Drive {
+    /// Copy of the run with a function of row and reading in place of one input.
+    pub fn with_input(&self, input: usize, of: impl Fn(usize, f64) -> f64) -> Drive {
         let mut inputs = self.inputs.clone();
-        inputs[input].iter_mut().for_each(|x| *x = of(*x));
+        inputs[input].iter_mut().enumerate().for_each(|(row, x)| *x = of(row, *x));
         self.with_inputs(inputs)
     }
 

@@ -422,7 +422,7 @@ impl Moved {
         }
         let model = match probe {
             Probe::Input(k) => {
-                bench.begin_at(&drive.with_input(*k, |x| x + way), &aside, indicated).ok()?.model
+                bench.begin_at(&drive.with_input(*k, |_, x| x + way), &aside, indicated).ok()?.model
             }
             _ => bench.begin_at(drive, &aside, indicated).ok()?.model,
         };

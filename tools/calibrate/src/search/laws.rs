@@ -64,12 +64,17 @@ pub(super) fn varies(point: &Linearization, driver: Driver) -> bool {
 }
 
 fn knots_of(point: &Linearization, driver: Driver, count: usize) -> Option<Vec<f64>> {
-    let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
+    let values = point.drivers().map(|d| d.of(driver)).collect();
+    spread(values, count, is_temperature(driver).then_some(STEEP))
+}
+
+/// Knots over values: least, greatest, and points between; `None` if they hardly vary relative to a size, that of the values if there is
+/// none.
+pub fn spread(mut values: Vec<f64>, count: usize, size: Option<f64>) -> Option<Vec<f64>> {
     values.sort_by(f64::total_cmp);
-    let (least, most) = (values[0], values[values.len() - 1]);
+    let (least, most) = (*values.first()?, *values.last()?);
     let span = most - least;
-    let size = if is_temperature(driver) { STEEP } else { most.abs().max(least.abs()) };
-    if span.is_nan() || span <= STILL * size {
+    if span.is_nan() || span <= STILL * size.unwrap_or(most.abs().max(least.abs())) {
         return None;
     }
     let mut all: Vec<f64> = Vec::new();
@@ -86,7 +91,7 @@ fn knots_of(point: &Linearization, driver: Driver, count: usize) -> Option<Vec<f
 }
 
 /// K of (1).
-pub(super) fn alike(knots: &[f64]) -> DMatrix<f64> {
+pub fn alike(knots: &[f64]) -> DMatrix<f64> {
     let span = knots[knots.len() - 1] - knots[0];
     DMatrix::from_fn(knots.len(), knots.len(), |a, b| (-(knots[a] - knots[b]).abs() / span).exp())
 }

@@ -69,7 +69,7 @@ fn check_answers(start: &str, temperatures: &str) {
     };
     let law = Law::Product(Product { coefficient: size, factors: [Some(factor), None, None] });
     let dragged = Override { terms: vec![GenericTerm::new(Port::DragTorque, law)], ..Override::default() };
-    let warmer = drive.with_input(3, |x| x + 0.01);
+    let warmer = drive.with_input(3, |_, x| x + 0.01);
     let heavier = Override { values: vec![(slot, bench.start_of(slot) + 1e-4)], ..Override::default() };
     let speed = |row: usize| (tangent.drivers[row].speed / 100.0).sqrt();
     for (probe, size, shape, other) in [
