@@ -465,17 +465,8 @@ fn fitted<'a>(
     };
     let setup = point.setup;
     let guess = initial_guess(setup, start, addition);
-    let fitted = match known.find(&guess) {
-        Some(fitted) => fitted,
-        None => {
-            let fitted = setup.fit_addition(guess, &point.runs)?;
-            // What time cut off may be fitted further.
-            if !setup.deadline().is_near() {
-                known.keep(&fitted);
-            }
-            fitted
-        }
-    };
+    let fitted =
+        known.or_fitted(&guess, || setup.fit_addition(guess.clone(), &point.runs), setup.deadline())?;
     let larger = Linearization::judged(setup, fitted, &point.runs)?;
     let cost = point.per_number() * addition.price()
         + if addition.is_listed() { 0.0 } else { choice(addition.port, addition.follows) };

@@ -1,5 +1,7 @@
 //! Fits that were made before: a round that looks again compares candidates beside additions with which they were fitted already.
 
+use crate::CalibrateError;
+use crate::deadline::Deadline;
 use crate::fit::Fitted;
 use crate::hypothesis::{Addition, Hypothesis, Shape};
 use std::sync::Mutex;
@@ -9,8 +11,28 @@ use std::sync::Mutex;
 pub struct Known(Mutex<Vec<Fitted>>);
 
 impl Known {
+    /// The known fit of a model with the additions of `start`, or a new one, which is kept unless the deadline ended it.
+    ///
+    /// # Errors
+    /// That of the new fit.
+    pub fn or_fitted(
+        &self,
+        start: &Hypothesis,
+        fit: impl FnOnce() -> Result<Fitted, CalibrateError>,
+        deadline: &Deadline,
+    ) -> Result<Fitted, CalibrateError> {
+        if let Some(fitted) = self.find(start) {
+            return Ok(fitted);
+        }
+        let fitted = fit()?;
+        if !deadline.is_near() {
+            self.keep(&fitted);
+        }
+        Ok(fitted)
+    }
+
     /// The fit of a model with the same additions, in the order of `start`.
-    pub fn find(&self, start: &Hypothesis) -> Option<Fitted> {
+    fn find(&self, start: &Hypothesis) -> Option<Fitted> {
         let known = self.0.lock().ok()?;
         known.iter().find_map(|fitted| {
             let additions = in_order(&fitted.hypothesis.additions, &start.additions)?;
@@ -20,7 +42,7 @@ impl Known {
     }
 
     /// Keeps a fit.
-    pub fn keep(&self, fitted: &Fitted) {
+    fn keep(&self, fitted: &Fitted) {
         if let Ok(mut known) = self.0.lock() {
             known.push(fitted.clone());
         }
