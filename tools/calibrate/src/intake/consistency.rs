@@ -13,15 +13,16 @@
 //! structure error below, leaves a residual of more than [`FACTOR`] times the structure error in a run. A mistake in a column is a
 //! hypothesis that changes the data: another unit, in either direction; a power of ten; a wrong sign; two columns exchanged; a temperature
 //! rise over ambient recorded instead of a temperature, or one of the opposite sign; an ambient sensor heated by the motor; an input that
-//! was not measured, with values implied by an output; a magnitude recorded instead of a value with its sign; an input recorded behind a
-//! first-order lag; a load recorded behind AC coupling; an arbitrary factor; a wrong unit of time, or in one file another interval. The
-//! score of a hypothesis is the sum of ln q_k. Hypotheses on outputs from which no run starts need no simulation; the others are simulated
-//! only if some q is large. The best ones are confirmed: the declared parameters are fitted to the data as they are and as changed by the
-//! hypothesis, with a structure error of [`STRUCTURE`] of each output's size and [`SAMPLES`] independent readings per run as the noise. The
-//! data are contradictory only if the minimum of the former is [`FACTOR`] times that of the latter (2 for a lag of an input, since no
-//! effect makes an output respond before its cause): no values within the priors explain the data as well. Another interval between the
-//! rows of a file is compared together with the fit runs of the other files, if these agree with the model: they then determine the
-//! parameters, and predict instead of the preset. It has to explain the file as well as parameters of its own would (Schwarz's criterion).
+//! was not measured, with values implied by an output; current or voltage of the drive's supply instead of the motor's; a magnitude
+//! recorded instead of a value with its sign; an input recorded behind a first-order lag; a load recorded behind AC coupling; an arbitrary
+//! factor; a wrong unit of time, or in one file another interval. The score of a hypothesis is the sum of ln q_k. Hypotheses on outputs
+//! from which no run starts need no simulation; the others are simulated only if some q is large. The best ones are confirmed: the declared
+//! parameters are fitted to the data as they are and as changed by the hypothesis, with a structure error of [`STRUCTURE`] of each output's
+//! size and [`SAMPLES`] independent readings per run as the noise. The data are contradictory only if the minimum of the former is
+//! [`FACTOR`] times that of the latter (2 for a lag of an input, since no effect makes an output respond before its cause): no values
+//! within the priors explain the data as well. Another interval between the rows of a file is compared together with the fit runs of the
+//! other files, if these agree with the model: they then determine the parameters, and predict instead of the preset. It has to explain the
+//! file as well as parameters of its own would (Schwarz's criterion).
 //!
 //! Before that, parameters without prior get one if their values in the preset contradict the data (`undeclared.rs`). Since a mistake may
 //! stand beside them, the evidence counts for errors of the size above and for errors of unknown size: C the cost, n the number of
@@ -34,9 +35,11 @@
 
 mod conversions;
 mod cost;
+mod filters;
 pub mod illustration;
 mod mistakes;
 mod search;
+mod supply;
 #[cfg(test)]
 mod tests;
 mod unmeasured;
@@ -52,6 +55,7 @@ use crate::selection::LEAST;
 use cost::{Cost, fitted};
 pub use mistakes::Mistake;
 use search::{Found, search, wrong_time, wrong_value};
+pub use supply::is_bus;
 
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
 const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;

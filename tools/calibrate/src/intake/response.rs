@@ -15,6 +15,7 @@
 //! *Assumes* that parameter errors and missing effects change a temperature rise by less than a factor of eight. *Sources*: Isermann,
 //! Fault-Diagnosis Systems (2006), ch. 7 and 10 (signal models, parity equations).
 
+use super::consistency::is_bus;
 use super::signals::{NEAR, WIDEST};
 use super::steps::{Record, Steps, UNPREDICTED};
 use super::{FAR, Predicted, ambient, departures, deviation, median, sorted};
@@ -22,6 +23,7 @@ use crate::experiment::{Channel, Experiment};
 use crate::levels::{CERTAIN, FACTOR, PART, SMALL};
 use crate::noise;
 use crate::report::count_of;
+use physics::declare::Unit;
 use std::cell::LazyCell;
 
 /// (1): a sensor on the motor reads between one eighth of the rise and eight times the rise. Limit: losses, conductance to the air and
@@ -46,6 +48,10 @@ pub(super) const TAIL: f64 = 0.02;
 
 /// A sensor that does not respond, in words.
 pub const DEAD: &str = "does not follow what drives it, as a dead or detached sensor does";
+
+/// A voltage of the supply of the drive, in words.
+const AT_SUPPLY: &str = "hardly varies and is not less than the predicted voltage of the motor, as the voltage of the drive's supply (bus \
+                         voltage) does, or a dead sensor";
 
 /// Readings and prediction of one output in one run.
 pub(super) struct Pair {
@@ -201,7 +207,11 @@ pub fn set_aside(
                     dead.into_iter().for_each(|k| bad[k] = true);
                 }
             }
-            let Some((bad, why)) = failed else { continue };
+            let Some((bad, mut why)) = failed else { continue };
+            let model: Vec<f64> = own.rows.iter().map(|row| predicted[run][output][*row]).collect();
+            if why == DEAD && channel.unit == Unit::Volt && is_bus(&column, &model) {
+                why = AT_SUPPLY;
+            }
             let jumped: Vec<usize> = judge.jumped().into_iter().chain(stepped).collect();
             let mut rest = bad.clone();
             jumped.iter().for_each(|k| rest[*k] = false);

@@ -49,7 +49,7 @@ pub fn illustration(
     let alone = Experiment { runs: vec![run.clone()], ..experiment.clone() };
     // Corrected values of these require the model.
     let is_drawn =
-        |mistake: &&Mistake| !matches!(mistake, Mistake::Unmeasured { .. } | Mistake::Magnitude(_));
+        |mistake: &&Mistake| mistake.implied_by().is_none() && !matches!(mistake, Mistake::Magnitude(_));
     let mistake = why.mistake.as_deref().filter(is_drawn);
     let meant = mistake.map(|mistake| {
         let mut meant = alone.clone();

@@ -2,6 +2,8 @@
 
 use super::super::ambient;
 use super::conversions::{SIGN, type_mistakes, unit_mistakes};
+use super::filters::{without_coupling, without_lag};
+use super::supply::Supply;
 use crate::experiment::{CELSIUS, Channel, Experiment, Start};
 use crate::levels::{FACTOR, PART};
 use physics::declare::Unit;
@@ -28,6 +30,15 @@ pub enum Mistake {
         /// The column of the output.
         by: usize,
     },
+    /// The current is that of the drive's supply.
+    Supply(Supply),
+    /// The voltage is that of the drive's supply, and varies little. The motor's is implied by an output, which is then no longer evidence.
+    Bus {
+        /// The column of the voltage, an input.
+        voltage: usize,
+        /// The column of the output.
+        by: usize,
+    },
     /// An input or an output was recorded without its sign.
     Magnitude(usize),
     /// An input was recorded behind a first-order lag with this time constant, s.
@@ -48,7 +59,8 @@ impl Mistake {
             | Mistake::Reversed(columns) => columns.clone(),
             Mistake::Swap(a, b) => vec![*a, *b],
             Mistake::Heated(k) => vec![*k],
-            Mistake::Unmeasured { column, by } => vec![*column, *by],
+            Mistake::Unmeasured { column, by } | Mistake::Bus { voltage: column, by } => vec![*column, *by],
+            Mistake::Supply(supply) => vec![supply.current],
             Mistake::Magnitude(k) | Mistake::Slow(k, _) | Mistake::Coupled(k, _) => vec![*k],
             Mistake::Time(..) => Vec::new(),
         }
@@ -62,6 +74,14 @@ impl Mistake {
         matches!(self, Mistake::Time(..)) || self.touches().iter().any(changes)
     }
 
+    /// The output that implies an input, and is then no longer evidence.
+    pub fn implied_by(&self) -> Option<usize> {
+        match self {
+            Mistake::Unmeasured { by, .. } | Mistake::Bus { by, .. } => Some(*by),
+            _ => None,
+        }
+    }
+
     /// Whether it contradicts only the rows after changes of the load, so that the outputs agree in part: the fit decides.
     pub fn is_partial(&self) -> bool {
         matches!(self, Mistake::Slow(..))
@@ -72,6 +92,7 @@ impl Mistake {
         let (columns, factor) = match self {
             Mistake::Affine { columns, factor, .. } => (columns, factor.abs()),
             Mistake::WrongType { columns, ratio, .. } => (columns, 1.0 / ratio),
+            Mistake::Supply(supply) if supply.current >= inputs => return supply.stretch,
             _ => return 0.0,
         };
         columns.iter().filter(|k| **k >= inputs).count() as f64 * factor.ln()
@@ -175,7 +196,8 @@ impl Mistake {
                     column.fill(first);
                 }
                 // The values require the model: `super::unmeasured`.
-                Mistake::Unmeasured { .. } | Mistake::Magnitude(_) => {}
+                Mistake::Unmeasured { .. } | Mistake::Bus { .. } | Mistake::Magnitude(_) => {}
+                Mistake::Supply(supply) => supply.apply(&mut table.columns, experiment.inputs.len()),
                 Mistake::Slow(k, tau) => {
                     table.columns[*k] = without_lag(&table.time, &table.columns[*k], *tau)
                 }
@@ -261,6 +283,15 @@ impl Mistake {
                 );
                 (name(*column), reason, format!("check whether {} was measured", name(*column)))
             }
+            Mistake::Supply(supply) => supply.words(&name, files),
+            Mistake::Bus { voltage, by } => {
+                let (voltage, by) = (name(*voltage), name(*by));
+                let reason = format!(
+                    "{voltage} in {files} hardly varies, as the voltage of the drive's supply (bus voltage) does; all outputs but {by} agree \
+                     better with the voltage of the motor that {by} implies"
+                );
+                (voltage, reason, "record the voltage at the terminals of the motor".to_string())
+            }
             Mistake::Magnitude(k) => {
                 let reason = format!(
                     "{} in {files} is never negative and contradicts the model; the same magnitude with both signs would agree",
@@ -320,33 +351,6 @@ const SHORTEST: f64 = 0.25;
 
 /// Ratio of two time constants of AC coupling that are tried. Numerical: what is added to the readings is then known to 9 %.
 const FINE: f64 = 1.19;
-
-/// What a column was before a first-order lag, if it was constant between the rows: (x_k - a x_{k-1}) / (1 - a), a = exp(-h / tau). Blank
-/// readings stay blank.
-fn without_lag(time: &[f64], column: &[f64], tau: f64) -> Vec<f64> {
-    let of = |k: usize| {
-        let Some(before) = k.checked_sub(1).filter(|before| column[*before].is_finite()) else {
-            return column[k];
-        };
-        let kept = ((time[before] - time[k]) / tau).exp();
-        (column[k] - kept * column[before]) / (1.0 - kept)
-    };
-    (0..column.len()).map(of).collect()
-}
-
-/// What a column was before AC coupling, if it was at rest before the first row: x = y + z, dz/dt = y / tau. Blank readings stay blank.
-fn without_coupling(time: &[f64], column: &[f64], tau: f64) -> Vec<f64> {
-    let (mut removed, mut last) = (0.0, None);
-    let of = |(t, y): (&f64, &f64)| {
-        if y.is_finite() {
-            let area = last.map_or(0.0, |(before, from): (f64, f64)| 0.5 * (before + y) * (t - from));
-            removed += area / tau;
-            last = Some((*y, *t));
-        }
-        y + removed
-    };
-    time.iter().zip(column).map(of).collect()
-}
 
 /// Units of the time, in s. Definition: of the units; loggers count periods of the mains and ticks of tens of milliseconds, too.
 const TIMES: [(f64, &str); 8] = [

@@ -2,7 +2,7 @@
 
 use super::cost::{Cost, crossed, fitted, with_free};
 use super::mistakes::{Mistake, mistakes};
-use super::{Judge, Predicted, blanked, score, unmeasured, worst};
+use super::{Judge, Predicted, blanked, score, supply, unmeasured, worst};
 use crate::CalibrateError;
 use crate::catalogue::shapes_an_effect;
 use crate::experiment::Experiment;
@@ -274,6 +274,7 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
     let alike = candidates.iter().filter(|m| m.is_alike(at)).filter(is_new).filter_map(changed);
     let alike: Vec<Changed> = alike.filter(|one| one.score < FALL).collect();
     best.extend(alike);
+    best.extend(supply::of(judge, at, predicted, &implied));
     best.extend(unmeasured::of(judge, at, predicted, &before[1]));
     Ok(best)
 }
@@ -304,11 +305,9 @@ fn confirmed(
     for one in best {
         let as_meant = fitted(judge, &one.data)?.stretched(as_is, one.mistake.stretch(inputs));
         // An output that implies an input is not evidence: both costs are computed without it.
-        let without = match one.mistake {
-            Mistake::Unmeasured { by, .. } => {
-                Some(fitted(judge, &blanked(at, judge.runs, by))?.stretched(as_is, 0.0))
-            }
-            _ => None,
+        let without = match one.mistake.implied_by() {
+            Some(by) => Some(fitted(judge, &blanked(at, judge.runs, by))?.stretched(as_is, 0.0)),
+            None => None,
         };
         // At the deadline the best of those that were confirmed is the answer; they come in the order of their scores.
         if as_meant.is_cut {

@@ -37,8 +37,12 @@ pub(super) fn of(
     let disagreeing: Vec<usize> = (0..outputs.len()).filter(follows).collect();
     let unmeasured = (0..inputs).filter(|k| is_constant(judge, experiment, *k));
     let pairs = unmeasured.flat_map(|column| disagreeing.iter().map(move |output| (column, *output)));
-    let unmeasured =
-        pairs.filter_map(|(column, output)| implied(judge, experiment, predicted, column, output));
+    let unmeasured = pairs.filter_map(|(column, output)| {
+        let (data, shown) = implied(judge, experiment, predicted, (column, output))?;
+        let mistake = Mistake::Unmeasured { column, by: experiment.place_of(output) };
+        // Its agreement is no criterion: one output less.
+        Some(Changed { score: 0.0, mistake, data, shown })
+    });
     unmeasured.chain(without_sign(judge, experiment, predicted, &disagreeing)).collect()
 }
 
@@ -161,14 +165,13 @@ pub(super) fn slopes(
     Some(all)
 }
 
-/// The data with the input values implied by an output, without this output.
-fn implied(
+/// The data with the input values implied by an output, without this output, and their prediction.
+pub(super) fn implied(
     judge: &Judge,
     experiment: &Experiment,
     predicted: &Predicted,
-    column: usize,
-    output: usize,
-) -> Option<Changed> {
+    (column, output): (usize, usize),
+) -> Option<(Experiment, Predicted)> {
     let row = super::super::declaration(experiment)?.by_name(experiment.inputs[column].input?)?.row;
     let by = experiment.place_of(output);
     let mut changed = experiment.clone();
@@ -190,7 +193,5 @@ fn implied(
         }
         shown = judge.predicted(&changed);
     }
-    let changed = blanked(&changed, judge.runs, by);
-    // Its agreement is no criterion: one output less.
-    Some(Changed { score: 0.0, mistake: Mistake::Unmeasured { column, by }, data: changed, shown })
+    Some((blanked(&changed, judge.runs, by), shown))
 }

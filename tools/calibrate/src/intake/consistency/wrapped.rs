@@ -129,7 +129,7 @@ fn confirms(
 }
 
 /// What the model implies beyond a reading, and what explains it: 1, the reading, and the other inputs.
-type Row = (f64, Vec<f64>);
+pub(super) type Row = (f64, Vec<f64>);
 
 /// The fold of a column, if (1) is the explanation of what the model implies beyond its readings, by run and row.
 fn fold(judge: &Judge, experiment: &Experiment, column: usize, off: &[Vec<f64>]) -> Option<Fold> {
@@ -193,7 +193,7 @@ fn span_of(rows: &[Row], is_output: bool) -> Option<(f64, f64)> {
 }
 
 /// Coefficients of these columns for the deviations of all rows, and the root mean square of what they leave.
-fn least_squares(rows: &[Row], columns: impl Fn(&Row) -> Vec<f64>) -> Option<(DVector<f64>, f64)> {
+pub(super) fn least_squares(rows: &[Row], columns: impl Fn(&Row) -> Vec<f64>) -> Option<(DVector<f64>, f64)> {
     let all: Vec<Vec<f64>> = rows.iter().map(columns).collect();
     let design = DMatrix::from_fn(rows.len(), all[0].len(), |row, column| all[row][column]);
     let off = DVector::from_iterator(rows.len(), rows.iter().map(|(off, _)| *off));
