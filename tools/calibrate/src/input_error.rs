@@ -67,7 +67,8 @@ pub fn explains(
         let wrong = fitted(point, wrong)?;
         // A function of many numbers may stand in for something else, of which it leaves a part.
         let is_whole = wrong.form.count() == 1 || wrong.left < PART || wrong.sure > FACTOR * least;
-        if wrong.sure > least && wrong.is_seen(point.setup) && is_whole {
+        let is_better = wrong.sure > least && wrong.left < 1.0;
+        if is_better && is_whole && wrong.is_seen(point.setup) {
             all.push(wrong);
         }
     }

@@ -126,7 +126,7 @@ fn a_curve_is_found() {
         (0, &|i| i - 0.02 * i * i),
         (0, &|i| if i > 3.0 { i - 0.08 * (i - 3.0) } else { i + 0.1 }),
         (1, &|w| if w > 380.0 { 380.0 + 0.6 * (w - 380.0) } else { w }),
-        (1, &|w| w + 6.0 * (w / 70.0).sin()),
+        (1, &|w| w + 12.0 * (w / 70.0).sin()),
     ];
     let friction = Some(("viscous_friction", 2e-5));
     let beside = [None; 5].into_iter().zip(forms).chain([(friction, forms[0])]);
