@@ -19,6 +19,7 @@ mod dead_input;
 mod dead_torque;
 mod departures;
 mod drifts;
+mod exchanged;
 mod first_rows;
 mod gaps;
 mod misplaced;
@@ -103,7 +104,8 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
         .or_else(|| copies::repeated(experiment))
         .or_else(|| copies::of_another_file(experiment))
         .or_else(|| clipped::input(experiment))
-        .or_else(|| consistency::wrapped::found(experiment, preset, deadline));
+        .or_else(|| consistency::wrapped::found(experiment, preset, deadline))
+        .or_else(|| exchanged::set_aside(experiment, preset, deadline));
     if let Some(unusable) = unusable {
         return Err(Refusal::Unusable(unusable));
     }
