@@ -23,6 +23,7 @@
 //! the next communication step starts with the next step size of this one.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
 
+mod frozen;
 mod square;
 mod system;
 
@@ -31,7 +32,8 @@ pub use system::{Fast, Segment, System, Work};
 use super::phi::{Forcing, Phi, product};
 use super::{Cause, MOST_STEPS};
 use crate::runtime::Saved;
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use frozen::{Frozen, Matrices};
+use nalgebra::{SMatrix, SVector, Vector2};
 use square::Squares;
 use std::ops::AddAssign;
 
@@ -53,16 +55,15 @@ const THERMAL_FLOOR: f64 = 1.0;
 const HEAT_FLOOR: f64 = 1.0;
 /// Sensitivity of copper and magnets to temperature, 1/K: effect of a temperature error on the fast block.
 const SENSITIVITY: f64 = 0.004;
-/// A frozen Jacobian is updated if its relative error exceeds this value: a larger error reduces the order of the step; in a motor
-/// that warms by 15 K/s it would be the dominant error.
-const STALE: f64 = 3e-6;
-/// Upper limit of this value with eased tolerances.
-const STALE_AT_MOST: f64 = 1e-3;
 /// Largest number of iterations between the two blocks.
 const ROUNDS: usize = 4;
 /// A step of at least this fraction of the rest takes the whole rest: the step size aims at half of the tolerance, so
 /// the error is still acceptable. A rejected step is reduced by more than this factor.
 const WHOLE: f64 = 0.8;
+/// Most by which a step is longer than the one before; after a rejected step it is not longer.
+const GROWTH: f64 = 4.0001;
+/// Step sizes that differ by less than this fraction of the communication step are equal: some units of the last place.
+const ROUNDING: f64 = 1e-14;
 /// Temperature limit, K: above it the solution has diverged and the step is rejected.
 const ABSURD: f64 = 1e5;
 /// Smallest step as a fraction of the communication step; below it the step fails.
@@ -145,15 +146,10 @@ pub struct StepFailure {
     pub cause: Cause,
 }
 
-/// Matrix, 1/s, and step, s, of the fast block and of the thermal one, from which all of their phi functions follow.
-type Frozen<const N: usize> = (Matrix2<f64>, f64, SMatrix<f64, N, N>, f64);
-
-/// The integrator: frozen Jacobians with their phi functions.
+/// The integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split<const N: usize> {
-    fast: Phi<2>,
-    squares: Squares,
-    thermal: Phi<N>,
+    frozen: Frozen<N>,
     /// Factor on [`TOLERANCE`].
     ease: f64,
     /// Factor on all tolerances.
@@ -167,9 +163,8 @@ pub struct Split<const N: usize> {
 impl<const N: usize> Default for Split<N> {
     /// No frozen blocks: the first step computes both.
     fn default() -> Self {
-        let (fast, thermal) = (Phi::none(), Phi::none());
-        let squares = Squares::of(fast.matrix());
-        Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial: f64::INFINITY }
+        let frozen = Frozen::of(Phi::none(), Phi::none());
+        Split { frozen, ease: 1.0, scale: 1.0, rejected: 0, trial: f64::INFINITY }
     }
 }
 
@@ -188,7 +183,7 @@ impl<const N: usize> Split<N> {
     /// Saved data of the integrator for a bit-identical continuation: matrix and step size of both
     /// frozen blocks, which determine the phi functions, and the next step size.
     pub fn to_numbers(&self) -> impl Iterator<Item = f64> + '_ {
-        let (fast, thermal) = (&self.fast, &self.thermal);
+        let Frozen { fast, thermal, .. } = &self.frozen;
         let fast = fast.matrix().iter().copied().chain([fast.step()]);
         fast.chain(thermal.matrix().iter().copied()).chain([thermal.step(), self.trial])
     }
@@ -202,10 +197,9 @@ impl<const N: usize> Split<N> {
             }
             Some(Phi::new(matrix, next()?))
         }
-        let (fast, thermal) = (block(next)?, block(next)?);
+        let frozen = Frozen::of(block(next)?, block(next)?);
         let trial = next().filter(|step| *step > 0.0)?;
-        let squares = Squares::of(fast.matrix());
-        Some(Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial })
+        Some(Split { frozen, ease: 1.0, scale: 1.0, rejected: 0, trial })
     }
 
     /// The tolerances: [`TOLERANCE`] times `ease`, and those of stage and line error, at least as large; all times `scale`.
@@ -214,10 +208,6 @@ impl<const N: usize> Split<N> {
         let [stage, line] =
             if bends { [TOLERANCE, STAGE_TOLERANCE] } else { [STAGE_TOLERANCE, LINE_TOLERANCE] };
         [tolerance, tolerance.max(stage), tolerance.max(line)].map(|tolerance| tolerance * self.scale)
-    }
-
-    fn stale(&self) -> f64 {
-        (STALE * self.ease * self.scale).min(STALE_AT_MOST)
     }
 
     /// Multiplies the tolerance by this factor; not part of the saved state.
@@ -238,35 +228,76 @@ impl<const N: usize> Split<N> {
         state: &mut State<N, E>,
         h: f64,
     ) -> Result<(), StepFailure> {
-        let (mut done, mut trial, mut try_h) = (0.0, self.trial.min(h), h);
-        let (mut backup, mut cause) = (None, Cause::Steps);
         state.integrals = StepIntegrals::default();
+        let (mut backup, mut whole, mut trial) = (None, None, self.trial);
+        if trial >= WHOLE * h {
+            let error = self.step(system, state, (0.0, h), 1.0, &mut backup);
+            if error <= 1.0 {
+                self.trial = f64::INFINITY;
+                return Ok(());
+            }
+            self.rejected += 1;
+            trial = h * shrink(error);
+            whole = Some(self.frozen);
+        }
+        match self.advance_in_parts(system, state, (h, trial), &mut backup) {
+            Ok(next) => {
+                self.trial = next;
+                if let Some(whole) = whole.filter(|_| next >= WHOLE * h) {
+                    // The next communication step probably has this size again.
+                    self.frozen = whole;
+                }
+                Ok(())
+            }
+            Err(failure) => {
+                if let Some(backup) = backup {
+                    self.frozen = Frozen::with(backup);
+                }
+                Err(failure)
+            }
+        }
+    }
+
+    /// [`advance`](Self::advance) from a step size `trial` below `h`; returns the next step size. Equal steps take the rest of `h`, so that one evaluation of the phi functions
+    /// serves them all.
+    #[inline(never)]
+    fn advance_in_parts<const E: usize>(
+        &mut self,
+        system: &impl System<N>,
+        state: &mut State<N, E>,
+        (h, mut trial): (f64, f64),
+        backup: &mut Option<Matrices<N>>,
+    ) -> Result<f64, StepFailure> {
+        let (mut done, mut try_h) = (0.0, h);
+        let mut growth = GROWTH;
         for _ in 0..MOST_STEPS {
             let rest = h - done;
-            try_h = if trial >= rest * WHOLE { rest } else { trial.min(0.5 * rest) };
-            let error = self.step(system, state, (done, try_h), 1.0, &mut backup);
+            let is_last = trial >= WHOLE * rest;
+            try_h = if is_last { rest } else { rest / (rest / trial).ceil() };
+            // Equal steps differ by rounding.
+            let known = self.frozen.fast.step();
+            if (try_h - known).abs() <= ROUNDING * h {
+                try_h = known;
+            }
+            let error = self.step(system, state, (done, try_h), 1.0, backup);
             if error <= 1.0 {
                 // Third-order error: the next step size follows from the cube root of the error.
-                let whole = try_h == h;
-                trial = if whole { f64::INFINITY } else { try_h * (0.8 / error.cbrt()).clamp(0.3, 4.0) };
-                if try_h == rest {
-                    self.trial = trial;
-                    return Ok(());
+                trial = try_h * (0.8 / error.cbrt()).clamp(0.3, growth);
+                growth = GROWTH;
+                if is_last {
+                    return Ok(trial);
                 }
                 done += try_h;
             } else if try_h > LEAST_SHARE * h {
                 self.rejected += 1;
-                trial = try_h * if error.is_finite() { (0.8 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 };
+                growth = 1.0;
+                trial = try_h * shrink(error);
             } else {
-                cause = if error.is_finite() { Cause::Inaccurate } else { Cause::NotFinite };
-                break;
+                let cause = if error.is_finite() { Cause::Inaccurate } else { Cause::NotFinite };
+                return Err(StepFailure { t: done, h: try_h, cause });
             }
         }
-        if let Some((a, fast, m, thermal)) = backup {
-            (self.fast, self.thermal) = (Phi::new(a, fast), Phi::new(m, thermal));
-            self.squares = Squares::of(self.fast.matrix());
-        }
-        Err(StepFailure { t: done, h: try_h, cause })
+        Err(StepFailure { t: done, h: try_h, cause: Cause::Steps })
     }
 
     /// One step without error control, to study the order of the method.
@@ -281,37 +312,6 @@ impl<const N: usize> Split<N> {
         next
     }
 
-    /// Updates the frozen blocks if they are outdated; `backup` keeps the blocks before the first update.
-    fn renew<S: System<N>>(
-        &mut self,
-        system: &S,
-        (t, h): (f64, f64),
-        (x, temperature): (&Fast, &SVector<f64, N>),
-        backup: &mut Option<Frozen<N>>,
-    ) {
-        let (a, m) = (system.fast_matrix(t, x, temperature), system.network_matrix(t, temperature));
-        let stale = self.stale();
-        let fast = self.fast.step() == h && fresh(self.fast.matrix(), &a, h, stale);
-        // The remainder of a linear network is exact only with its own matrix.
-        let stale = if S::IS_NETWORK_LINEAR { 0.0 } else { stale };
-        let thermal = self.thermal.step() == h && fresh(self.thermal.matrix(), &m, h, stale);
-        if !(fast && thermal) {
-            backup.get_or_insert((
-                *self.fast.matrix(),
-                self.fast.step(),
-                *self.thermal.matrix(),
-                self.thermal.step(),
-            ));
-        }
-        if !fast {
-            self.fast = Phi::new(a, h);
-            self.squares = Squares::of(&a);
-        }
-        if !thermal {
-            self.thermal = Phi::new(m, h);
-        }
-    }
-
     /// One step of length `h` from `t`: its error in units of the tolerance; an error above `most` leaves the state unchanged. Like
     /// [`iterate`](Self::iterate) not inlined: the loop around it hardly ever repeats, but the compiler would keep in memory all that is
     /// constant in it.
@@ -322,14 +322,17 @@ impl<const N: usize> Split<N> {
         state: &mut State<N, E>,
         (t, h): (f64, f64),
         most: f64,
-        backup: &mut Option<Frozen<N>>,
+        backup: &mut Option<Matrices<N>>,
     ) -> f64 {
-        self.renew(system, (t, h), (&state.x, &state.temperature), backup);
+        let scale = self.ease * self.scale;
+        let start = system.instant(t, &state.x, &state.temperature);
+        let slope0 = system.fast_rates_at(t, &state.x, &state.temperature, &start);
+        self.frozen.renew(system, (t, h), (&state.x, &slope0, &state.temperature), scale, backup);
         let mut guess = None;
         let mut left = ROUNDS;
         loop {
             left -= 1;
-            match self.iterate(system, state, (t, h), (guess, left > 0), most) {
+            match self.iterate(system, state, (t, h), (&start, &slope0), (guess, left > 0), most) {
                 Ok(error) => return error,
                 Err(better) => guess = Some(better),
             }
@@ -339,25 +342,25 @@ impl<const N: usize> Split<N> {
     /// One iteration between the blocks over a step, from guessed temperatures in the middle and at the end of the step; `Err` with
     /// better ones if they differ from the solution and `continues` allows.
     #[inline(never)]
-    fn iterate<const E: usize>(
+    fn iterate<S: System<N>, const E: usize>(
         &self,
-        system: &impl System<N>,
+        system: &S,
         state: &mut State<N, E>,
         (t, h): (f64, f64),
+        (start, slope0): (&S::Instant, &Fast),
         (guess, continues): (Option<[SVector<f64, N>; 2]>, bool),
         most: f64,
     ) -> Result<f64, [SVector<f64, N>; 2]> {
         let (x0, temp0) = (state.x, state.temperature);
-        let (fast, thermal) = (&self.fast, &self.thermal);
+        let Frozen { fast, squares, thermal } = &self.frozen;
         let (a, m) = (fast.matrix(), thermal.matrix());
         let (capacity, per_joule) = (system.capacity(), system.inverse_capacity());
 
         let [tolerance, stage_tolerance, line_tolerance] = self.tolerances(system.bends_where_stiff());
         let (middle, until) = (t + 0.5 * h, t + h);
-        let start = system.instant(t, &x0, &temp0);
-        let slope0 = system.fast_rates_at(t, &x0, &temp0, &start);
+        let slope0 = *slope0;
         let (network0, _) = system.network(t, &temp0);
-        let heat0 = system.heat_rates_at(t, &x0, &temp0, &start);
+        let heat0 = system.heat_rates_at(t, &x0, &temp0, start);
         let rate0 = network0 + heat0.component_mul(per_joule);
         let xa = fast.half(&x0, &slope0);
         let mut tempm = temp0 + rate0 * (0.5 * h);
@@ -380,7 +383,7 @@ impl<const N: usize> Split<N> {
         let (integral, moment) = (fast.integral(&x0, &slope0, &forcing), fast.moment(&x0, &slope0, &forcing));
         let (second, n0) = (fast.second(&x0, &slope0, &forcing), slope0 - product(a, &x0));
         let (square, error_of_square) =
-            self.squares.integral(h, &x, [&integral, &moment, &second], (&n0, &forcing));
+            squares.integral(h, &x, [&integral, &moment, &second], (&n0, &forcing));
         let segment = Segment {
             t,
             h,
@@ -391,7 +394,7 @@ impl<const N: usize> Split<N> {
             moment,
             temperature: [temp0, tempm, temp1],
         };
-        let instants = [start, system.instant(middle, &xm, &tempm), system.instant(until, &x1, &temp1)];
+        let instants = [*start, system.instant(middle, &xm, &tempm), system.instant(until, &x1, &temp1)];
         let work = system.work(&segment, &instants);
 
         // Heat flow with exactly the integral of the step: Simpson's rule solved for the middle value.
@@ -451,17 +454,13 @@ impl<const N: usize> Split<N> {
     }
 }
 
+/// Factor on the length of a step that was rejected with this error.
+fn shrink(error: f64) -> f64 {
+    if error.is_finite() { (0.7 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 }
+}
+
 /// The largest absolute value. NaN is not detected: it appears in the new state as well.
 #[inline(always)]
 fn largest<const N: usize>(values: &SVector<f64, N>) -> f64 {
     values.iter().fold(0.0, |most, value| if most > value.abs() { most } else { value.abs() })
-}
-
-/// Whether a frozen matrix is still accurate: its error times the step changes the solution by less than the fraction
-/// `stale` of the matrix's own effect.
-#[inline]
-fn fresh<const N: usize>(frozen: &SMatrix<f64, N, N>, now: &SMatrix<f64, N, N>, h: f64, stale: f64) -> bool {
-    let slack = stale / h;
-    // Without branches, two elements at a time.
-    frozen.iter().zip(now.iter()).fold(true, |all, (f, n)| all & ((f - n).abs() <= stale * f.abs() + slack))
 }
