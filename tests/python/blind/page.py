@@ -55,7 +55,8 @@ one port, and a law at `housing_ambient_conductance` is at the correct port also
 difference acts. Column "{elsewhere}": verdict `unusable` with another channel than the one with the
 mistake. Column "{unnoticed}": neither the verdict nor a note names the mistake, and no effect is reported. Column
 "{refused}": verdict `unusable` or exit code 2 although the data can be used. Column "{silent}": the command wrote no report.
-A result is wrong or missing if its set is in none of the columns {fine}.
+A result is wrong or missing if its set is in none of these columns:
+{fine}.
 "Mistakes in the data handled" are the sets with a mistake in column "{right}".
 A driver counts as correct if its best function explains 98 % of the law over the fit runs.
 
