@@ -90,16 +90,16 @@ def standstill_words(rows: dict) -> str:
     """Torque and torque density at standstill on the rig; which arrangement is best follows from the numbers."""
     bare, fan, annulus = (rows[name] for name in ("bare", "fan at 5 mm", "40 mm annulus, pushed"))
     tube = GRAMS * ARRANGEMENTS["40 mm annulus, pushed"]["annulus.mass"]
-    pays = "increases by more than the mass" if fan["density_gain_percent"] > 0.0 else "increases by less than the mass"
+    mass = 100.0 * ((100.0 + fan["torque_gain_percent"]) / (100.0 + fan["density_gain_percent"]) - 1.0)
     better = annulus["density_Nm_per_kg"] > fan["density_Nm_per_kg"]
     verdict = "higher" if better else "lower"
     best = max(rows, key=lambda name: rows[name]["density_Nm_per_kg"])
-    return f"""At standstill (preset `thesis-rig`) the fan at 5 mm increases the continuous torque from {bare["torque_Nm"]:.3f} to
-        {fan["torque_Nm"]:.3f} N.m ({percent(fan["torque_gain_percent"])}) and the torque per mass by
-        {percent(fan["density_gain_percent"])}: the torque {pays} (in percent). With the 40 mm annulus, which adds {tube:.1f} g, the torque is
-        {annulus["torque_Nm"]:.3f} N.m ({percent(annulus["torque_gain_percent"])}) and the torque per mass increases by
-        {percent(annulus["density_gain_percent"])} relative to the bare motor: this is {verdict} than with the fan alone. The arrangement with
-        the highest torque per mass is: {best}."""
+    return f"""At standstill (preset `thesis-rig`) the fan at 5 mm changes the continuous torque from {bare["torque_Nm"]:.3f} to
+        {fan["torque_Nm"]:.3f} N.m ({percent(fan["torque_gain_percent"])}), the mass by {percent(mass)} and the torque per mass by
+        {percent(fan["density_gain_percent"])}. With fan and 40 mm annulus (tube: {tube:.1f} g) the torque is {annulus["torque_Nm"]:.3f} N.m
+        ({percent(annulus["torque_gain_percent"])} relative to the bare motor). The torque per mass changes by
+        {percent(annulus["density_gain_percent"])}, which is {verdict} than with the fan alone. The arrangement with the highest torque per
+        mass is: {best}."""
 
 
 def current_words(tests: dict) -> str:

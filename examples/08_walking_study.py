@@ -332,6 +332,7 @@ def markdown(answer: dict) -> str:
         text += f"| {activity} | {' | '.join(cells)} | {table[REFERENCE][activity]['gait']} |\n"
     text += "\nEach cell contains the time to the winding's limit with the whole biological torque, then the continuous support (with an rms\n"
     text += "torque error of at most 0.5 N.m + 5 % of the peak torque) and the quantity that limits it. If not stated, the body mass is 75 kg.\n"
+    text += "75 kg + 10 kg: the person has a load of 10 kg (`gait.body_mass` = 85).\n"
     text += "\n## Continuous support of designs in three activities\n"
     text += "\n| arrangement | design | ratio | spring N.m/rad | " + " | ".join(DESIGNED_FOR) + " |\n" + "|---" * (4 + len(DESIGNED_FOR)) + "|\n"
     for arrangement, rows in answer["across_activities"].items():

@@ -85,8 +85,8 @@ def markdown(motors: dict) -> str:
         operating range of a motor at its nominal voltage: the speed-torque line from no-load speed to stall torque, and the range of
         continuous operation, bounded by the winding's maximum temperature. Its point of continuous operation (nominal torque at
         nominal speed) is compared with the continuous torque of the model with the preset of the motor, which has the datasheet's
-        thermal resistances and is not fitted to measurements. With the torque constant at 25 °C, as catalogues compute it, {len(cold)} of {len(motors)} motors agree within
-        {100 * GOAL:.0f} %; with warm magnets {len(warm)}."""
+        thermal resistances and is not fitted to measurements. The two agree within {100 * GOAL:.0f} % for {len(cold)} of {len(motors)} motors
+        if the torque constant is that at 25 °C, as in catalogues, and for {len(warm)} of {len(motors)} if it is that of the warm magnets."""
     )
     text += f"\n\n![Continuous torque over speed of the model, speed-torque line and nominal point of the catalogue]({FIGURE})\n\n"
     text += fill(

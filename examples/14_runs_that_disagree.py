@@ -77,9 +77,9 @@ def study(folder: Path, only: str | None = None) -> dict:
 
 
 def count(answer: dict, stage: str, other: str) -> tuple[int, int]:
-    """Channels of all test runs in which one stage is not worse than another, and their number."""
+    """Channels of all test runs in which one stage is worse than another, and their number."""
     all_errors = [errors for one in answer["splits"].values() for errors in one["test_K"].values()]
-    return sum(errors[stage] <= EQUAL * errors[other] for errors in all_errors), len(all_errors)
+    return sum(errors[stage] > EQUAL * errors[other] for errors in all_errors), len(all_errors)
 
 
 def windings(answer: dict, runs: tuple[str, ...]) -> dict:
@@ -98,8 +98,8 @@ def page(answer: dict) -> str:
     single, phases = ("12", "13"), ("10B", "10C", "10D")
     apart, together = windings(answer, single), windings(answer, phases)
     factors = " and ".join(f"{windings(answer, (run,))['ratio']:.1f} (run {run})" for run in single)
-    not_worse, channels = count(answer, "after", "refit")
-    better = count(answer, "after", "before")[0]
+    worse, channels = count(answer, "after", "refit")
+    preset = count(answer, "after", "before")[0]
     box = count(answer, "after", "blackbox")[0]
     found = sorted({effect for one in answer["splits"].values() for effect in one["effects"]})
     names = list(CHANNELS)
@@ -134,14 +134,15 @@ def page(answer: dict) -> str:
         is {cause}. No set of motor parameters can follow all five runs."""),
         "## Errors of each run, predicted from others",
         fill(f"""Root mean square error of the test run in K. Before: preset. Refit: declared parameters fitted to three other runs.
-        Black box: two-node network or ARX without physics, from the same runs. After: model that `motor-fmu close-loop`
+        Black box: thermal network of two nodes with all parameters free, or ARX model, fitted to the same runs without the equations of
+        the motor. After: model that `motor-fmu close-loop`
         exports. The command {effects}."""),
         "\n".join(["| test run | thermocouple | before | refit | black box | after |", "|---|---|---|---|---|---|", *rows]),
-        fill(f"""The error of the exported model is at most 2 % above that of the refit in {not_worse} of {channels} cases,
-        that of the preset in {better}, that of the black box in {box}."""),
+        fill(f"""The error of the exported model exceeds the error of the refit by more than 2 % in {worse} of {channels} cases, the error
+        of the preset in {preset} and the error of the black box in {box}."""),
         "## Treatment of the disagreement",
-        fill(f"""In {len(disagree)} of {len(answer["splits"])} splits a fit with sensor noise alone predicts left-out fit runs worse than the
-        preset. The disagreement is then added to the noise ([method](close-the-loop.md#method)); parameters that the runs do not
+        fill(f"""In {len(disagree)} of {len(answer["splits"])} splits a fit that assumes sensor noise only predicts left-out fit runs less accurately than
+        the preset does. The disagreement is then added to the noise ([method](close-the-loop.md#method)); parameters that the runs do not
         determine stay near their priors. Two thermocouples at one winding that differ by a factor of {factors} limit every prediction for these runs: a model with one winding
         temperature cannot follow both, and a black box fitted to these runs can follow both thermocouples, but this does not carry over to the next run. The
         resistance of each phase during the run would measure the mean temperature of its copper and would show which thermocouple is the outlier."""),

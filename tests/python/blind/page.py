@@ -17,10 +17,11 @@ seeds are made from their stored results in `tests/reference/blind-suite`.
 [`tests/python/blind`](../tests/python/blind) was written from the documentation of the command, without knowledge of its source code. Its
 motor has seven thermal nodes (slot and end winding, stator core, housing front and back, rotor, and the node that the effect `stator_node`
 adds), convection that depends on temperature, friction that decreases with temperature, and temperature sensors that lag, are mounted at a
-warmer or colder place, or were moved between runs. The model of `motor-fmu` has two nodes. The *structure error* of a set is the deviation
-that remains between the noise-free motor and this model after a refit of the declared parameters to the fit runs. It is divided by the
-standard deviation of the noise; the value of the channel and role (fit or test) where it is largest is stated. Each set has another motor,
-other noise with drift (inputs too), priors that are sometimes wrong, and runs that sometimes start warm.
+warmer or colder place, or were moved between runs. In the cooling mode of the sets (`conductance`) the model of `motor-fmu` has two nodes:
+winding and motor body. The *structure error* of a set is the deviation that remains between the noise-free motor and this model after a
+refit of the declared parameters to the fit runs. It is divided by the standard deviation of the noise (sigma in the tables and lists); the
+value of the channel and role (fit or test) where it is largest is stated. Each set has another motor, other noise with drift (inputs too),
+priors that are sometimes wrong, and runs that sometimes start warm.
 
 The true value of a parameter is its value in the *best two-node model*. This is the two-node model that describes the
 specimen's noise-free response in the fit runs best: a nonlinear least-squares fit, weighted with the noise, without the
@@ -40,26 +41,34 @@ the parameters of the specimen; there, best two-node model and structure error c
 | mistake | an ordinary mistake in the data (unit, sign, exchanged columns, defective sensor, time) |
 
 An effect is *visible* if it changes a channel of the fit runs by at least noise and structure error together, after a linear refit of the
-declared parameters. The *floor* is the error of the true model with the measured inputs. Test errors are those of the channel with the largest ratio to
-its floor. A report that names a real difference between the two models (for example a second heat capacity) is not counted as a false alarm
-(column "{real}"). In sets with a mistake, such a report is correct if it also recognises the mistake.
+declared parameters. The *floor* is the error of the true model with the measured inputs. The "floor with structure error" is the floor times
+the square root of 1 + s², where s is the structure error of the test runs in sigma. Test errors are those of the channel with the largest
+ratio to its floor. A report that names a real difference between the two models (for example a second heat capacity) is not counted as a
+false alarm (column "{real}"). In sets with a mistake, such a report is correct if it also recognises the mistake.
 In sets with an effect, "{wrong}" is a report of an effect that the set does not have and that is no real difference; "{missed}" is a report
 without the true effect, with nothing or only real differences. Column "{below}": the effect is not visible and nothing
-wrong was reported. If it was reported correctly nevertheless, the set is in column "{right}". Column "{law}":
-a law was reported in place of the listed effect, or in addition to it at a port where no real difference acts. Column "{elsewhere}":
-verdict `unusable` with another channel than the one with the mistake. Column "{unnoticed}": neither the verdict nor a note names
-the mistake, and no effect is reported. Column "{refused}": verdict `unusable` or exit code 2 although the data can be used. Column "{silent}":
-the command wrote no report.
+wrong was reported. If it was reported correctly nevertheless, the set is in column "{right}". Column "{among}":
+the report has several effects that the data cannot distinguish, and the true effect is one of them. Column "{port}": a
+law at the true port with another driver. Column "{elseport}": a law at another port. `terminal_voltage` and `winding_resistance` count as
+one port, and a law at `housing_ambient_conductance` is at the correct port also if the true port is `fan_flow`. Column
+"{law}": a law was reported in place of the listed effect, or in addition to it at a port where no real
+difference acts. Column "{elsewhere}": verdict `unusable` with another channel than the one with the
+mistake. Column "{unnoticed}": neither the verdict nor a note names the mistake, and no effect is reported. Column
+"{refused}": verdict `unusable` or exit code 2 although the data can be used. Column "{silent}": the command wrote no report.
+A result is wrong or missing if its set is in none of these columns:
+{fine}.
+"Mistakes in the data handled" are the sets with a mistake in column "{right}".
 A driver counts as correct if its best function explains 98 % of the law over the fit runs.
 
 A rate meets its criterion if it is on the right side of the limit and its 95 % interval (Clopper and Pearson) does not cross the stated bound
-(without one: the limit). It misses the criterion if the whole interval is on the wrong side of the limit; otherwise it is not decided. The
-criterion "92 to 98 %" is met by a rate within these limits and missed if the whole interval is outside. Medians and percentiles are compared
-with the limit.
+(without one: the limit). It misses the criterion ("missed" in the last column of the criteria) if the whole interval is on the wrong side of
+the limit; otherwise it is not decided. The criterion "92 to 98 %" is met by a rate within these limits and missed if the whole interval is
+outside. Medians and percentiles are compared with the limit.
 
 In the lists of sets, "port by driver" is a law, "behind 85 s" a first-order lag of its driver with this time constant, "history" a law with
-memory ([glossary](glossary.md#closed-loop-and-statistics)). "A + B": both together; "A or B": verdict `class`. Test errors are divided by
-the floor. The text after "reported" is quoted from the report, in the wording of the program at that time.
+memory ([glossary](glossary.md#closed-loop-and-statistics)). "A + B": both together. "A or B": effects that the data cannot distinguish;
+`or` binds more strongly than `+`. Test errors are divided by the floor. The text after "reported" is quoted from the report, in the wording
+of the program at that time.
 """
 AGAIN = """To generate a set again, in `tests/python`: `python -m blind.make --seed SEED --first NUMBER --out DIR`.
 """
@@ -109,7 +118,9 @@ def page(tables: list) -> str:
     columns = {"real": j.title(j.STRUCTURE), "below": j.title(j.BELOW), "right": j.title(j.RIGHT)}
     columns |= {"wrong": j.title(j.WRONG_NAME), "missed": j.title(j.MISSED), "law": j.title(j.UNEXPLAINED)}
     columns |= {"elsewhere": j.title(j.OTHER_CHANNEL), "unnoticed": j.title(j.UNNOTICED)}
-    columns |= {"refused": j.title(j.REFUSED_GOOD), "silent": j.title(j.NO_REPORT)}
+    columns |= {"refused": j.title(j.REFUSED_GOOD), "silent": j.title(j.NO_REPORT), "among": j.title(j.CLASS_WITH)}
+    columns |= {"port": j.title(j.PORT_ONLY), "elseport": j.title(j.WRONG_PORT)}
+    columns |= {"fine": ", ".join(f'"{j.title(one)}"' for one in j.FINE)}
     parts = [HEAD.format(command=order[0]["command"] or "python -m blind.score", low=j.LOW, **columns)]
     return "\n".join([*parts, *(section(t, t is order[0]) for t in order), AGAIN])
 
