@@ -258,8 +258,8 @@ impl<const N: usize> Split<N> {
         }
     }
 
-    /// [`advance`](Self::advance) from a step size `trial` below `h`; returns the next step size. Equal steps take the rest of `h`, so that one evaluation of the phi functions
-    /// serves them all.
+    /// [`advance`](Self::advance) from a step size `trial` below `h`; returns the next step size. Equal steps take the rest of `h`, so that
+    /// one evaluation of the phi functions serves them all.
     #[inline(never)]
     fn advance_in_parts<const E: usize>(
         &mut self,
@@ -454,7 +454,8 @@ impl<const N: usize> Split<N> {
     }
 }
 
-/// Factor on the length of a step that was rejected with this error.
+/// Factor on the length of a step that was rejected with this error. It aims lower than after an accepted step: far above the tolerance the
+/// error increases less than with the cube of the length, so that a cube root shortens the step too little.
 fn shrink(error: f64) -> f64 {
     if error.is_finite() { (0.7 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 }
 }

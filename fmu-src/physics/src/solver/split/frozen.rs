@@ -8,11 +8,11 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 /// A frozen Jacobian is updated if its relative error exceeds this value: a larger error reduces the order of the step; in a motor
 /// that warms by 15 K/s it would be the dominant error.
 const STALE: f64 = 3e-6;
-/// Upper limit of this value with eased tolerances.
-const STALE_AT_MOST: f64 = 1e-3;
 /// Upper limit in a step in which current and speed hardly change. Where they follow slow changes, their derivatives at the end of a step of
 /// 100 time constants have 100 times this error.
 const STALE_AT_REST: f64 = 3e-5;
+/// Upper limit of both with eased tolerances.
+const STALE_AT_MOST: f64 = 1e-3;
 
 /// Frozen Jacobians of both blocks, with their phi functions for one step size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +82,8 @@ impl<const N: usize> Frozen<N> {
     fn suffices(&self, h: f64, (x, slope): (&Fast, &Fast), (now, scale): (&Matrix2<f64>, f64)) -> bool {
         let change = self.fast.constant(&Fast::zeros(), slope);
         let change = largest(&change.component_div(&x.abs().sup(&FAST_FLOOR)));
-        fresh(self.fast.matrix(), now, h, scale * (TOLERANCE / change).min(STALE_AT_REST))
+        let stale = (scale * (TOLERANCE / change).min(STALE_AT_REST)).min(STALE_AT_MOST);
+        fresh(self.fast.matrix(), now, h, stale)
     }
 }
 
