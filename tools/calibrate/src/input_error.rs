@@ -18,7 +18,7 @@ use crate::evidence::Gain;
 use crate::experiment::Role;
 use crate::hypothesis::Hypothesis;
 use crate::instruments;
-use crate::levels::{DECISIVE, FACTOR, NEARLY, PART, STRUCTURE};
+use crate::levels::{DECISIVE, FACTOR, NEARLY, PART, SMALL, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::Unusable;
 use crate::search::search;
@@ -68,16 +68,19 @@ pub fn explains(
         // A function of many numbers may stand in for something else, of which it leaves a part.
         let is_whole = wrong.form.count() == 1 || wrong.left < PART || wrong.sure > FACTOR * least;
         let is_better = wrong.sure > least && wrong.left < 1.0;
-        if is_better && is_whole && wrong.is_seen(point.setup) {
+        // A small correction that leaves nearly nothing of a residual far above the noise is no structure error either.
+        let is_exact = excess(point) > 1.0 && wrong.left < SMALL;
+        if is_better && is_whole && (is_exact || wrong.is_seen(point.setup)) {
             all.push(wrong);
         }
     }
-    // The forms come in the order of their numbers; a course of each run comes last, since it follows anything.
+    // The forms come in the order of their numbers. A course of each run follows anything, so that it has to explain several times as much.
     let (courses, forms): (Vec<Wrong>, Vec<Wrong>) =
         all.into_iter().partition(|wrong| wrong.form.is_course());
     let most = forms.iter().map(|wrong| wrong.sure).fold(0.0, f64::max);
     let simplest = forms.into_iter().find(|wrong| wrong.sure >= NEARLY * most);
-    Ok(simplest.or(courses.into_iter().next()).map(|wrong| wrong.sentence(point.setup)))
+    let course = courses.into_iter().find(|course| course.sure > FACTOR * most);
+    Ok(course.or(simplest).map(|wrong| wrong.sentence(point.setup)))
 }
 
 /// All these runs, and each of them.
