@@ -18,6 +18,7 @@ use crate::evidence::Gain;
 use crate::experiment::Role;
 use crate::hypothesis::Hypothesis;
 use crate::instruments;
+use crate::intake::mean_square;
 use crate::levels::{DECISIVE, FACTOR, NEARLY, PART, SMALL, STRUCTURE};
 use crate::linearization::Linearization;
 use crate::outcome::Unusable;
@@ -49,28 +50,46 @@ struct Wrong {
     sure: f64,
     /// Fraction of the [`excess`] that is left.
     left: f64,
+    /// The greatest [`rest`] of an output.
+    rest: f64,
+}
+
+/// Decreases of the cost by what was found.
+#[derive(Clone, Copy, Default)]
+pub struct Explained {
+    /// By an effect, or by all that was found.
+    pub all: f64,
+    /// By effects of the list.
+    pub listed: f64,
+    /// Number of laws, which follow nearly anything: two of them have one cause rather than two.
+    pub laws: usize,
 }
 
 /// The instrument of an input that explains the residual of a fit, in all or one of its runs or in the validation runs, if it explains more
-/// than `found` (an effect, or all that was found, decreases the cost by so much), and more than structure error can.
+/// than what was found, and more than structure error can.
 ///
 /// # Errors
 /// The message of the model if it cannot be run.
 pub fn explains(
     point: &Linearization,
     places: &[Vec<usize>],
-    found: f64,
+    found: Explained,
 ) -> Result<Option<Unusable>, CalibrateError> {
-    let least = found.max(DECISIVE);
+    // An instrument that leaves nothing is the simpler cause if it explains as much as several laws.
+    let as_laws = if found.laws > 1 { found.listed.max(NEARLY * found.all) } else { found.all };
+    let [all_found, listed, as_laws] = [found.all, found.listed, as_laws].map(|least| least.max(DECISIVE));
     let mut all: Vec<Wrong> = Vec::new();
-    for wrong in likely(point, places, least * AHEAD) {
+    for wrong in likely(point, places, listed * AHEAD) {
         let wrong = fitted(point, wrong)?;
+        let is_exact = wrong.left < SMALL;
+        let least = if is_exact { as_laws } else { all_found };
+        // With the right correction, the channels agree but for structure error.
+        let agrees = wrong.left < 1.0 && (is_exact || wrong.rest < FACTOR * STRUCTURE);
         // A function of many numbers may stand in for something else, of which it leaves a part.
         let is_whole = wrong.form.count() == 1 || wrong.left < PART || wrong.sure > FACTOR * least;
-        let is_better = wrong.sure > least && wrong.left < 1.0;
         // A small correction that leaves nearly nothing of a residual far above the noise is no structure error either.
-        let is_exact = excess(point) > 1.0 && wrong.left < SMALL;
-        if is_better && is_whole && (is_exact || wrong.is_seen(point.setup)) {
+        let is_seen = is_exact && excess(point) > 1.0 || wrong.is_seen(point.setup);
+        if wrong.sure > least && agrees && is_whole && is_seen {
             all.push(wrong);
         }
     }
@@ -173,7 +192,8 @@ fn likely(point: &Linearization, places: &[Vec<usize>], least: f64) -> Vec<Wrong
     let of = |(input, form, runs): (usize, Form, &Vec<usize>)| {
         let price = form.price() * point.per_number() + choice;
         let sizes = vec![0.0; form.count()];
-        let mut wrong = Wrong { input, runs: runs.clone(), form, sizes, price, sure: 0.0, left: 1.0 };
+        let mut wrong =
+            Wrong { input, runs: runs.clone(), form, sizes, price, sure: 0.0, left: 1.0, rest: 1.0 };
         let gain = wrong.gain(point, setup, runs)?;
         wrong.sizes = gain.size.iter().copied().collect();
         wrong.sure = gain.raw.min(gain.whitened) - price;
@@ -236,6 +256,7 @@ fn settled(
         let own = Linearization::judged(&setup, setup.fit(hypothesis, &point.runs)?, &point.runs)?;
         let before = wrong.sure;
         (wrong.sure, wrong.left) = (sure(&own, point) - wrong.price, excess(&own) / excess(point));
+        wrong.rest = rest(&own);
         if wrong.sure > best.0.sure {
             best = (wrong.clone(), own.fitted.hypothesis.clone());
         }
@@ -258,4 +279,14 @@ fn sure(own: &Linearization, before: &Linearization) -> f64 {
 /// Mean square of the residual in units of the noise, less the noise.
 fn excess(point: &Linearization) -> f64 {
     point.fitted.chi_square / point.fitted.readings as f64 - 1.0
+}
+
+/// The greatest root mean square error of an output beyond its noise, relative to the size of the output.
+fn rest(point: &Linearization) -> f64 {
+    let (setup, runs) = (point.setup, &point.runs);
+    let squares = setup.squares(runs, &point.fitted.shown).into_iter().enumerate();
+    let relative = squares.map(|(k, (square, count))| {
+        (square / count as f64 - setup.sigma(k).powi(2)) / mean_square(setup.experiment, runs, k).0
+    });
+    instruments::greatest(&relative.collect::<Vec<_>>())
 }

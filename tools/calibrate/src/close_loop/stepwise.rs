@@ -5,7 +5,7 @@ use crate::CalibrateError;
 use crate::acting::acting;
 use crate::experiment::Role;
 use crate::hypothesis::Addition;
-use crate::input_error;
+use crate::input_error::{self, Explained};
 use crate::instruments;
 use crate::levels::{LEAD, NEARLY};
 use crate::linearization::Linearization;
@@ -64,13 +64,22 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The instrument of an input whose zero or gain explains more than all additions do, and than any candidate by itself; in the validation
+    /// The instrument of an input whose error explains more than all additions do, and than any candidate by itself; in the validation
     /// runs, more than all additions do there and in the fit runs, or what these leave there alone.
     pub(super) fn error_of_an_input(&self) -> Result<Option<Unusable>, CalibrateError> {
-        let found: f64 = self.rounds.iter().filter_map(Round::winner).map(Candidate::sure).sum();
-        let alone = self.scored[0].iter().filter(|s| s.addition.is_some()).map(Scored::sure);
+        let best = |counts: &dyn Fn(&Scored) -> bool| {
+            let all = self.scored[0].iter().filter(|s| s.addition.is_some() && counts(s));
+            all.map(Scored::sure).fold(0.0, f64::max)
+        };
+        let (effects, laws): (Vec<&Candidate>, Vec<&Candidate>) =
+            self.rounds.iter().filter_map(Round::winner).partition(|c| c.addition().is_listed());
+        let found = Explained {
+            all: self.explained().max(best(&|_| true)),
+            listed: effects.into_iter().map(Candidate::sure).fold(best(&|s| s.listed), f64::max),
+            laws: laws.len(),
+        };
         let of_fit = input_error::places(&self.first.runs);
-        let in_fit = input_error::explains(&self.first, &of_fit, alone.fold(found, f64::max))?;
+        let in_fit = input_error::explains(&self.first, &of_fit, found)?;
         let of_validation = input_error::places(&self.setup.runs(Role::Validate));
         if in_fit.is_some() || of_validation.is_empty() {
             return Ok(in_fit);
@@ -82,12 +91,21 @@ impl<'a> Search<'a> {
         };
         // Of the fit and validation runs.
         let (white, raw) = self.point().explains(&self.first);
-        let instead = input_error::explains(&over(&self.first)?, &of_validation, white.min(raw))?;
+        let all = white.min(raw);
+        let found = Explained { all, listed: all, laws: 0 };
+        let instead = input_error::explains(&over(&self.first)?, &of_validation, found)?;
         let is_whole = || instruments::explain_rest(self.setup, &self.point().fitted, &[Role::Fit]);
         if instead.is_some() || self.taken().is_none() || !is_whole()? {
             return Ok(instead);
         }
-        input_error::explains(&over(self.point())?, &of_validation, 0.0)
+        input_error::explains(&over(self.point())?, &of_validation, Explained::default())
+    }
+
+    /// Decrease of the cost by all additions together, less the price of their numbers.
+    fn explained(&self) -> f64 {
+        let (white, raw) = self.point().explains(&self.first);
+        let prices = self.point().fitted.hypothesis.additions.iter().map(Addition::price);
+        white.min(raw) - self.first.per_number() * prices.sum::<f64>()
     }
 
     /// Appends a round; returns whether it has an accepted candidate.

@@ -21,7 +21,8 @@ fn said(
     let setup = Setup::new(&experiment, &[]).unwrap();
     let fitted = setup.fit(setup.preset(), &[0]).unwrap();
     let point = Linearization::new(&setup, fitted, &[0]).unwrap();
-    explains(&point, &places(&[0]), crate::search::search(&point)[0].sure()).unwrap()
+    let all = crate::search::search(&point)[0].sure();
+    explains(&point, &places(&[0]), Explained { all, listed: all, laws: 0 }).unwrap()
 }
 
 const CURRENT: (&str, f64, f64) = ("current_A", 1.0, 190.0);
@@ -36,6 +37,7 @@ fn a_zero_is_found_with_its_size() {
     for (drive, outputs, input, zero) in [
         (CURRENT, &testing::OUTPUTS[..], 0, 0.3),
         (CURRENT, &testing::OUTPUTS[..], 0, -0.2),
+        (CURRENT, &testing::OUTPUTS[..], 0, 0.02),
         (CURRENT, &testing::OUTPUTS[..], 1, 15.0),
         (CURRENT, &testing::OUTPUTS[..], 1, -9.0),
         (CURRENT, &testing::OUTPUTS[..3], 0, 0.5),
@@ -86,7 +88,7 @@ fn an_error_in_a_validation_run_is_found_there() {
         let own = setup.fit(Hypothesis { additions, ..setup.preset() }, &[0]).unwrap();
         let both = setup.judged(own.hypothesis, &[0, 1]).unwrap();
         let point = Linearization::judged(&setup, both, &[0, 1]).unwrap();
-        let said = explains(&point, &places(&[1]), 0.0).unwrap();
+        let said = explains(&point, &places(&[1]), Explained::default()).unwrap();
         let expected = gain != 1.0 || zero != 0.0;
         assert_eq!(said.is_some(), expected, "{effect:?} {input} {gain} {zero}: {said:?}");
         let words = if gain == 1.0 { (" if ", zero) } else { (" by ", 1.0 / gain) };
@@ -103,7 +105,7 @@ fn an_error_in_a_validation_run_is_found_there() {
 fn an_effect_is_no_error_of_an_instrument() {
     for (effect, zero, gain) in [
         (None, 0.0, 1.0),
-        (None, 0.02, 1.0),
+        (None, 0.005, 1.0),
         (None, 0.0, 1.01),
         (Some(("torque_sensor_offset", 0.01)), 0.0, 1.0),
         (Some(("contact_drop", 0.3)), 0.0, 1.0),
@@ -175,7 +177,7 @@ fn a_temperature_that_nobody_recorded_is_found() {
         let setup = Setup::new(&experiment, &[]).unwrap();
         let fitted = setup.fit(setup.preset(), &[0]).unwrap();
         let point = Linearization::new(&setup, fitted, &[0]).unwrap();
-        let why = explains(&point, &places(&[0]), 0.0).unwrap();
+        let why = explains(&point, &places(&[0]), Explained::default()).unwrap();
         assert_eq!(why.is_some(), swing > 0.0, "{why:?}");
         assert!(
             why.is_none_or(|why| why.channel == "ambient_temperature_degC" && why.reason.contains("written"))
