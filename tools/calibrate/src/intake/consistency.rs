@@ -22,7 +22,7 @@
 //! [`FACTOR`] times that of the latter (2 for a lag of an input, since no effect makes an output respond before its cause): no values
 //! within the priors explain the data as well. Another interval between the rows of a file is compared together with the fit runs of the
 //! other files, if these agree with the model: they then determine the parameters, and predict instead of the preset. It has to explain the
-//! file as well as parameters of its own would (Schwarz's criterion).
+//! file as well as parameters of its own would (Schwarz's criterion). With any mistake in one file, all files have to agree better with one motor.
 //!
 //! Before that, parameters without prior get one if their values in the preset contradict the data (`undeclared.rs`). Since a mistake may
 //! stand beside them, the evidence counts for errors of the size above and for errors of unknown size: C the cost, n the number of
@@ -265,7 +265,7 @@ pub fn contradiction(
         (as_is, thin) = (better, other);
     }
     let bad = as_is.bad_runs();
-    let unusable = if bad.is_empty() || as_is.is_cut { None } else { mistaken(&whole, &thin, &bad)? };
+    let unusable = if bad.is_empty() || as_is.is_cut { None } else { mistaken(&whole, &thin, &as_is)? };
     if let Some(unusable) = unusable {
         return Ok(Err(unusable));
     }
@@ -346,13 +346,13 @@ fn references(
     (0..experiment.outputs.len()).map(of).collect()
 }
 
-/// The mistake in the columns of all runs, or in those of one file.
+/// The mistake in the columns of all runs, or in those of one file; `as_is` is the fit of all runs.
 fn mistaken(
     whole: &Judge,
     experiment: &Experiment,
-    bad: &[usize],
+    as_is: &Cost,
 ) -> Result<Option<Unusable>, CalibrateError> {
-    let all = whole.runs;
+    let (all, bad) = (whole.runs, as_is.bad_runs());
     let predicted = whole.predicted(experiment);
     // A mistake of one file spoils the fit of all: that of every run then leaves a contradiction, and a greater one.
     let mut everywhere: Option<(f64, Found)> = None;
@@ -370,19 +370,42 @@ fn mistaken(
     for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
         let alone = Judge { runs, ..whole.clone() };
         let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
-        if let Some(found) = search(&alone, experiment, &own, file)? {
+        if let Some(found) = search(&alone, experiment, &own, file)?
+            && is_of_one_motor(whole, as_is, &found, runs)?
+        {
             let Some((least, _)) = everywhere else { return Ok(Some(found.why)) };
             let cost = fitted(whole, &found.data)?.whole();
             if cost + LEAST < least {
                 everywhere = Some((cost, found));
             }
         } else if everywhere.is_none()
-            && let Some(found) = beside(whole, experiment, (file, runs), bad)?
+            && let Some(found) = beside(whole, experiment, (file, runs), &bad)?
         {
             return Ok(Some(found.why));
         }
     }
     Ok(everywhere.map(|(_, found)| found.why))
+}
+
+/// Whether the runs agree better with one motor if those of a file are as they are meant: a file by itself agrees with a motor of its own as
+/// well. The runs of a file that is not fitted are predicted by the others.
+fn is_of_one_motor(
+    whole: &Judge,
+    as_is: &Cost,
+    found: &Found,
+    runs: &[usize],
+) -> Result<bool, CalibrateError> {
+    let is_fit = |run: &&usize| found.data.runs[**run].role == Role::Fit;
+    let [own, all] = [runs, whole.runs].map(|runs| runs.iter().filter(is_fit).count());
+    let as_meant = fitted(whole, &found.data)?;
+    if as_meant.is_cut || own == all {
+        return Ok(true);
+    }
+    if own == 0 {
+        return Ok(as_meant.of(runs) < as_is.of(runs));
+    }
+    let as_meant = as_meant.stretched(as_is, found.stretch * own as f64 / all as f64);
+    Ok(as_meant.whole() + as_meant.wider_than(as_is) < as_is.whole())
 }
 
 /// The files and their runs.

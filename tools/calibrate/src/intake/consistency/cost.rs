@@ -63,6 +63,11 @@ impl Cost {
         self.outputs.iter().sum::<f64>() + self.prior
     }
 
+    /// Of these runs, fitted or not.
+    pub(super) fn of(&self, runs: &[usize]) -> f64 {
+        runs.iter().map(|run| self.runs[*run]).sum()
+    }
+
     /// Difference of -2 ln p of the readings as recorded to that with another change of them, apart from the costs: a change that enlarges an
     /// output enlarges its structure error as well, and explains with it what it does not predict.
     pub(super) fn wider_than(&self, other: &Cost) -> f64 {

@@ -52,6 +52,8 @@ pub(super) struct Changed {
 pub(super) struct Found {
     pub why: Unusable,
     pub data: Experiment,
+    /// Sum of ln |dx/dy| over the outputs, y the readings as recorded and x as they are meant.
+    pub stretch: f64,
 }
 
 /// The combination of mistakes that gives the best agreement with the model, if no parameter values within the priors explain the
@@ -98,7 +100,8 @@ pub(super) fn search(
         mistake: Some(Box::new(found[0][0].clone())),
         ..Unusable::new(&channel, reasons.join("; "), suggestions.join("; "))
     };
-    Ok(Some(Found { why, data: at }))
+    let stretch = found.iter().map(|own| own[0].stretch(experiment.inputs.len())).sum();
+    Ok(Some(Found { why, data: at, stretch }))
 }
 
 /// The unit of a time that is too long, if the model agrees with the data in that unit only. It makes every simulation of the data as they

@@ -1,10 +1,15 @@
 //! Loads recorded without their sign, behind an average or AC coupling, and a file with another interval between its rows.
 
+use super::cost::fitted;
 use super::mistakes::{Mistake, mistakes};
-use crate::experiment::Experiment;
+use super::search::Found;
+use super::{Judge, ROWS, is_of_one_motor, thinned};
+use crate::deadline::Deadline;
+use crate::experiment::{Experiment, Role};
 use crate::intake::tests::{
     CURRENT, HOUSING, SPEED, TORQUE, VOLTAGE, WINDING, column, experiment, reason, unusable, with_inputs,
 };
+use crate::outcome::Unusable;
 use crate::setup::Setup;
 use std::f64::consts::PI;
 
@@ -208,4 +213,27 @@ fn thermometers_at_rest_may_differ() {
     rest.runs[0].table.columns[WINDING].iter_mut().for_each(|x| *x -= 0.8);
     all.runs.push(rest.runs.remove(0));
     assert_eq!(unusable(&mut all), None, "{:?}", all.notes);
+}
+
+/// Thermometers of one file read in another unit: with the right one both files are of one motor, with a wrong one they are of two. The
+/// same if the other file alone is fitted.
+#[test]
+fn a_mistake_of_one_file_agrees_with_the_other_files() {
+    for (role, factor) in [(Role::Fit, 1.8), (Role::Validate, 1.8), (Role::Fit, 0.6), (Role::Validate, 0.6)] {
+        let mut right = experiment(38);
+        let mut second = right.runs[0].clone();
+        (second.file, second.role) = ("second.csv".to_string(), role);
+        right.runs.push(second);
+        let mut wrong = right.clone();
+        let columns = &mut wrong.runs[1].table.columns;
+        columns[WINDING..=HOUSING].iter_mut().flatten().for_each(|x| *x = 296.15 + factor * (*x - 296.15));
+        let agrees = |recorded: &Experiment, meant: &Experiment, factor: f64| {
+            let whole = Judge::of(&[], &[0, 1], &Deadline::default());
+            let as_is = fitted(&whole, &thinned(recorded, ROWS)).unwrap();
+            let (why, data) = (Unusable::new("", "", ""), thinned(meant, ROWS));
+            is_of_one_motor(&whole, &as_is, &Found { why, data, stretch: 2.0 * factor.ln() }, &[1]).unwrap()
+        };
+        assert!(agrees(&wrong, &right, 1.0 / factor), "{role:?} {factor}");
+        assert!(!agrees(&right, &wrong, factor), "{role:?} {factor}");
+    }
 }
