@@ -284,9 +284,7 @@ fn excess(point: &Linearization) -> f64 {
 /// The greatest root mean square error of an output beyond its noise, relative to the size of the output.
 fn rest(point: &Linearization) -> f64 {
     let (setup, runs) = (point.setup, &point.runs);
-    let squares = setup.squares(runs, &point.fitted.shown).into_iter().enumerate();
-    let relative = squares.map(|(k, (square, count))| {
-        (square / count as f64 - setup.sigma(k).powi(2)) / mean_square(setup.experiment, runs, k).0
-    });
+    let squares = instruments::beyond_noise(setup, runs, &point.fitted.shown).enumerate();
+    let relative = squares.map(|(k, square)| square / mean_square(setup.experiment, runs, k).0);
     instruments::greatest(&relative.collect::<Vec<_>>())
 }

@@ -44,13 +44,18 @@ pub fn greatest(squares: &[f64]) -> f64 {
 pub fn explain_rest(setup: &Setup, fitted: &Fitted, roles: &[Role]) -> Result<bool, CalibrateError> {
     for role in roles {
         let runs = setup.runs(*role);
-        let squares = setup.squares(&runs, &setup.show(&fitted.hypothesis, &runs)?).into_iter().enumerate();
-        let squares = squares.map(|(k, (square, count))| square / count as f64 - setup.sigma(k).powi(2));
-        if greatest(&relative(setup, &runs, squares)) >= 1.0 {
+        let shown = setup.show(&fitted.hypothesis, &runs)?;
+        if greatest(&relative(setup, &runs, beyond_noise(setup, &runs, &shown))) >= 1.0 {
             return Ok(false);
         }
     }
     Ok(true)
+}
+
+/// Mean square error of each output of a prediction, less that of the noise.
+pub fn beyond_noise(setup: &Setup, runs: &[usize], shown: &[Shown]) -> impl Iterator<Item = f64> {
+    let squares = setup.squares(runs, shown).into_iter().enumerate();
+    squares.map(|(k, (square, count))| square / count as f64 - setup.sigma(k).powi(2))
 }
 
 fn relative(setup: &Setup, runs: &[usize], squares: impl Iterator<Item = f64>) -> Vec<f64> {

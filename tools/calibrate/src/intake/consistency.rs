@@ -22,7 +22,8 @@
 //! [`FACTOR`] times that of the latter (2 for a lag of an input, since no effect makes an output respond before its cause): no values
 //! within the priors explain the data as well. Another interval between the rows of a file is compared together with the fit runs of the
 //! other files, if these agree with the model: they then determine the parameters, and predict instead of the preset. It has to explain the
-//! file as well as parameters of its own would (Schwarz's criterion). With any mistake in one file, all files have to agree better with one motor.
+//! file as well as parameters of its own would (Schwarz's criterion). With any mistake in one file, all files have to agree better with one
+//! motor.
 //!
 //! Before that, parameters without prior get one if their values in the preset contradict the data (`undeclared.rs`). Since a mistake may
 //! stand beside them, the evidence counts for errors of the size above and for errors of unknown size: C the cost, n the number of
@@ -371,10 +372,11 @@ fn mistaken(
         let alone = Judge { runs, ..whole.clone() };
         let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
         if let Some(found) = search(&alone, experiment, &own, file)?
-            && is_of_one_motor(whole, as_is, &found, runs)?
+            && let as_meant = fitted(whole, &found.data)?
+            && let cost = as_meant.whole()
+            && is_of_one_motor(whole, as_is, as_meant, &found, runs)
         {
             let Some((least, _)) = everywhere else { return Ok(Some(found.why)) };
-            let cost = fitted(whole, &found.data)?.whole();
             if cost + LEAST < least {
                 everywhere = Some((cost, found));
             }
@@ -388,24 +390,18 @@ fn mistaken(
 }
 
 /// Whether the runs agree better with one motor if those of a file are as they are meant: a file by itself agrees with a motor of its own as
-/// well. The runs of a file that is not fitted are predicted by the others.
-fn is_of_one_motor(
-    whole: &Judge,
-    as_is: &Cost,
-    found: &Found,
-    runs: &[usize],
-) -> Result<bool, CalibrateError> {
+/// well. The runs of a file that is not fitted are predicted by the others. The costs are those of all runs.
+fn is_of_one_motor(whole: &Judge, as_is: &Cost, as_meant: Cost, found: &Found, runs: &[usize]) -> bool {
     let is_fit = |run: &&usize| found.data.runs[**run].role == Role::Fit;
     let [own, all] = [runs, whole.runs].map(|runs| runs.iter().filter(is_fit).count());
-    let as_meant = fitted(whole, &found.data)?;
     if as_meant.is_cut || own == all {
-        return Ok(true);
+        return true;
     }
     if own == 0 {
-        return Ok(as_meant.of(runs) < as_is.of(runs));
+        return as_meant.of(runs) < as_is.of(runs);
     }
     let as_meant = as_meant.stretched(as_is, found.stretch * own as f64 / all as f64);
-    Ok(as_meant.whole() + as_meant.wider_than(as_is) < as_is.whole())
+    as_meant.whole() + as_meant.wider_than(as_is) < as_is.whole()
 }
 
 /// The files and their runs.

@@ -231,7 +231,8 @@ fn a_mistake_of_one_file_agrees_with_the_other_files() {
             let whole = Judge::of(&[], &[0, 1], &Deadline::default());
             let as_is = fitted(&whole, &thinned(recorded, ROWS)).unwrap();
             let (why, data) = (Unusable::new("", "", ""), thinned(meant, ROWS));
-            is_of_one_motor(&whole, &as_is, &Found { why, data, stretch: 2.0 * factor.ln() }, &[1]).unwrap()
+            let as_meant = fitted(&whole, &data).unwrap();
+            is_of_one_motor(&whole, &as_is, as_meant, &Found { why, data, stretch: 2.0 * factor.ln() }, &[1])
         };
         assert!(agrees(&wrong, &right, 1.0 / factor), "{role:?} {factor}");
         assert!(!agrees(&right, &wrong, factor), "{role:?} {factor}");
