@@ -11,6 +11,7 @@ mod cooling_values;
 mod effects;
 mod energy_balance;
 mod fan_at_rest;
+mod frozen_jacobian;
 mod gear_node;
 mod hot_spot;
 mod initial;

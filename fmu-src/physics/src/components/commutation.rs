@@ -142,7 +142,7 @@ impl Phases {
                 / load.capacity;
         let forcing = Vector2::new(3.0 * s0 - 1.0, 3.0 * s1 - 1.0) * (load.heat / load.capacity);
         let above = Vector2::new(self.above[0], self.above[1]);
-        let end = Phi::new(matrix, h).constant(&above, &(matrix * above + forcing));
+        let end = above + Phi::new(matrix, h).constant(&(matrix * above + forcing));
         Phases { above: [end[0], end[1], -end[0] - end[1]] }
     }
 

@@ -258,10 +258,10 @@ impl<const N: usize> Phi<N> {
         &self.a
     }
 
-    /// x(h/2) for a constant forcing, eq. (2) at half the step. `rate` is the derivative at the start, here and below.
+    /// x(h/2) - x(0) for a constant forcing, eq. (2) at half the step. `rate` is the derivative at the start, here and below.
     #[inline]
-    pub fn half(&self, x: &SVector<f64, N>, rate: &SVector<f64, N>) -> SVector<f64, N> {
-        x + product(&self.weights.middle[0], rate)
+    pub fn half(&self, rate: &SVector<f64, N>) -> SVector<f64, N> {
+        product(&self.weights.middle[0], rate)
     }
 
     /// x(h/2) for a quadratic forcing over the whole step, eq. (2) at half the step.
@@ -270,10 +270,10 @@ impl<const N: usize> Phi<N> {
         x + n.weighted(&self.weights.middle, rate)
     }
 
-    /// x(h) for a constant forcing, eq. (2).
+    /// x(h) - x(0) for a constant forcing, eq. (2).
     #[inline]
-    pub fn constant(&self, x: &SVector<f64, N>, rate: &SVector<f64, N>) -> SVector<f64, N> {
-        x + product(&self.weights.end[0], rate)
+    pub fn constant(&self, rate: &SVector<f64, N>) -> SVector<f64, N> {
+        product(&self.weights.end[0], rate)
     }
 
     /// x(h) for a quadratic forcing, eq. (2).
@@ -305,6 +305,12 @@ impl<const N: usize> Phi<N> {
     #[inline]
     pub fn curvature_error(&self, n: &Forcing<N>) -> SVector<f64, N> {
         product(&self.weights.curvature, &n.n2)
+    }
+
+    /// Upper bound of the same for n_2 up to this size.
+    #[inline]
+    pub fn curvature_bound(&self, most: &SVector<f64, N>) -> SVector<f64, N> {
+        product(&self.weights.curvature.abs(), most)
     }
 
     /// Change of x(h) if the quadratic forcing at the end of the step increases by `late`.
@@ -378,7 +384,7 @@ mod tests {
         let a = matrix![-5900.0, -420.0; 8300.0, 0.0];
         let phi = Phi::new(a, 1.0);
         let (x0, n) = (vector![1.0, 2.0], vector![3.0e5, -100.0]);
-        let x = phi.constant(&x0, &(a * x0 + n));
+        let x = x0 + phi.constant(&(a * x0 + n));
         let steady = -a.try_inverse().unwrap() * n;
         assert!((x - steady).norm() < 1e-9 * steady.norm(), "{x} {steady}");
     }
@@ -392,7 +398,7 @@ mod tests {
         let holds = |[a, inverse, decay]: [Matrix2<f64>; 3], size: f64, near: bool| {
             let steady = -inverse * n;
             let exact = steady + decay * (x0 - steady);
-            let error = (Phi::new(a, 1.0).constant(&x0, &(a * x0 + n)) - exact).norm() / exact.norm();
+            let error = (x0 + Phi::new(a, 1.0).constant(&(a * x0 + n)) - exact).norm() / exact.norm();
             assert!(error < 1e-15 * (2.0 + 0.3 * size), "{a} {error:e}");
             assert_eq!(pair(&a, 1.0).is_some(), near, "{a}");
         };
@@ -419,13 +425,13 @@ mod tests {
             let a = Matrix2::new(rates[0], rates[1], rates[2], rates[3]);
             let (x0, n) = (Vector2::from(x0), Vector2::from(n));
             let rate = a * x0 + n;
-            let whole = Phi::new(a, h).constant(&x0, &rate);
+            let whole = x0 + Phi::new(a, h).constant(&rate);
             let part = Phi::new(a, 0.5 * h);
-            let half = part.constant(&x0, &rate);
-            let halves = part.constant(&half, &(a * half + n));
+            let half = x0 + part.constant(&rate);
+            let halves = half + part.constant(&(a * half + n));
             let scale = whole.norm() + x0.norm() + 1.0;
             prop_assert!((whole - halves).norm() <= 1e-10 * scale, "{whole} {halves}");
-            prop_assert!((Phi::new(a, h).half(&x0, &rate) - half).norm() <= 1e-12 * scale);
+            prop_assert!((x0 + Phi::new(a, h).half(&rate) - half).norm() <= 1e-12 * scale);
         }
     }
 }

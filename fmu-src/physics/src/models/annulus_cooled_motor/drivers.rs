@@ -279,12 +279,19 @@ impl AnnulusCooledMotor {
 
     /// Advances the sensors over the last integration step, of `h` seconds; `before` are the temperatures of their nodes at its start, K. With
     /// a network, that of the housing is linear in time.
+    #[inline]
     pub(super) fn follow_sensors(&mut self, before: PerNode, h: f64) {
-        let (lag, after) = (self.parameters.effects.sensor_lag(), self.sensed());
+        let lag = self.parameters.effects.sensor_lag();
         if lag == PerNode::default() {
-            self.own.sensors = after;
-            return;
+            self.own.sensors = self.sensed();
+        } else {
+            self.follow_lagging_sensors(lag, before, h);
         }
+    }
+
+    #[inline(never)]
+    fn follow_lagging_sensors(&mut self, lag: PerNode, before: PerNode, h: f64) {
+        let after = self.sensed();
         let middle = PerNode {
             winding: self.middle_of(0, before.winding, h),
             housing: match self.own.network.is_some() {

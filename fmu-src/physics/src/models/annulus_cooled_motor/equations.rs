@@ -372,7 +372,8 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
     /// Heat flow into the winding that no current causes, at the speed `w`, W.
     #[inline(always)]
     fn heat_at(&self, t: f64, w: f64) -> f64 {
-        Self::at(&self.heat, t) - self.power_mode_torque(w) * w
+        let load = if Self::PLAIN { 0.0 } else { self.power_mode_torque(w) * w };
+        Self::at(&self.heat, t) - load
     }
 
     /// Heat flows from the nodes to their environment, W.

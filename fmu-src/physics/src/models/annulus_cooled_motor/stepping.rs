@@ -149,7 +149,9 @@ impl AnnulusCooledMotor {
         let inputs = [&self.inputs, &self.slopes];
         let mut step = Step::<FORM>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time);
         step.excess = excess;
-        step.lags = self.lags_from(time);
+        if FORM == ALL {
+            step.lags = self.lags_from(time);
+        }
         let (before, sensed) = (self.own.state, self.sensed());
         let next = &mut self.own.state;
         if let Err(failure) = self.own.split.advance(&step, next, h) {

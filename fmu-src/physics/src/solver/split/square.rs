@@ -15,7 +15,7 @@
 //! *Source*: (2), (3): differentiate V; (4): the solution of the Lyapunov equation for two rows, by insertion.
 
 use super::Fast;
-use crate::solver::phi::Forcing;
+use crate::solver::phi::{Forcing, product};
 use nalgebra::Matrix2;
 
 /// Trace and determinant are treated as zero below this fraction of their terms: (4) loses as many digits.
@@ -56,15 +56,14 @@ impl Squares {
             let simpson = h / 6.0 * (start + 4.0 * middle + end);
             return (simpson, (simpson - 0.5 * h * (start + end)).abs());
         };
-        let moment = moment / h;
-        let of = |a: &Fast, b: &Fast| {
-            s[(0, 0)] * a[0] * b[0] + s[(0, 1)] * (a[0] * b[1] + a[1] * b[0]) + s[(1, 1)] * a[1] * b[1]
-        };
-        let forcing = of(n0, first) + of(&n.n1, &moment) + of(&n.n2, second);
+        let moment = moment * (1.0 / h);
+        // S is symmetric. What belongs to the forcing is known early, so that few operations depend on the integrals.
+        let of = |a: &Fast, b: &Fast| product(s, a).dot(b);
+        let forcing = of(&(n0 * 2.0), first) + (of(&(n.n1 * 2.0), &moment) + of(&(n.n2 * 2.0), second));
         // a_12 w with the speed linear over the step.
         let speed = coupled * (x[0][1] * first[0] + h * n0[1] * moment[0]);
         // V(0) - V(h) from the differences, without rounding error at equilibrium.
-        (of(&(x[0] - x[2]), &(x[0] + x[2])) + 2.0 * forcing + speed, 0.0)
+        (of(&(x[0] - x[2]), &(x[0] + x[2])) + speed + forcing, 0.0)
     }
 }
 

@@ -17,12 +17,22 @@ pub trait System<const N: usize>: Sized {
     fn fast_rates_at(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>, instant: &Self::Instant)
     -> Fast;
     /// Derivatives of current and speed, A/s and rad/s2.
-    #[inline]
+    #[inline(always)]
     fn fast_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Fast {
         self.fast_rates_at(t, x, temperature, &self.instant(t, x, temperature))
     }
+    /// Their Jacobian with respect to (current, speed), 1/s, with the intermediate results of the instant.
+    fn fast_matrix_at(
+        &self,
+        t: f64,
+        x: &Fast,
+        temperature: &SVector<f64, N>,
+        instant: &Self::Instant,
+    ) -> Matrix2<f64>;
     /// Their Jacobian with respect to (current, speed), 1/s.
-    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Matrix2<f64>;
+    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Matrix2<f64> {
+        self.fast_matrix_at(t, x, temperature, &self.instant(t, x, temperature))
+    }
     /// Derivatives of the temperatures by conduction, convection and radiation only, K/s, and the heat flow out of the nodes
     /// to their environment, W.
     fn network(&self, t: f64, temperature: &SVector<f64, N>) -> (SVector<f64, N>, f64);
@@ -66,7 +76,7 @@ pub trait System<const N: usize>: Sized {
         instant: &Self::Instant,
     ) -> SVector<f64, N>;
     /// Heat generated in each node at one instant, W.
-    #[inline]
+    #[inline(always)]
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> SVector<f64, N> {
         self.heat_rates_at(t, x, temperature, &self.instant(t, x, temperature))
     }

@@ -39,22 +39,25 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
     fn fast_rates_at(&self, t: f64, x: &Fast, _: &Temperatures, instant: &Instant) -> Fast {
         let (i, w) = (x[0], x[1]);
         let k = instant.k;
-        let lost = instant.lost + self.bridge(i) + self.missed(t, i);
+        let lost = if Self::PLAIN { 0.0 } else { instant.lost + self.bridge(i) + self.missed(t, i) };
         // One of the two summands is zero: 1/L or the derivative of the imposed current; 1/J or that of the imposed speed.
-        let di = (self.source(t, k * w) - instant.r * i - lost - k * w) * self.constants.inverse_l
-            + self.current.slope;
-        let dw =
-            (k * i - instant.drag - Self::at(&self.load, t)) * self.constants.inverse_j + self.speed.slope;
-        Fast::new(di, dw)
+        let di = (self.source(t, k * w) - instant.r * i - lost - k * w) * self.constants.inverse_l;
+        let dw = (k * i - instant.drag - Self::at(&self.load, t)) * self.constants.inverse_j;
+        let free = Fast::new(di, dw);
+        if Self::STILL { free } else { free + Fast::new(self.current.slope, self.speed.slope) }
     }
 
     #[inline(always)]
-    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
+    fn fast_matrix_at(
+        &self,
+        t: f64,
+        x: &Fast,
+        temperature: &Temperatures,
+        instant: &Instant,
+    ) -> Matrix2<f64> {
         let effects = self.ports();
         let lost = effects.terminal_voltage_slope(x[0]) + self.drive_slope(t, x[0]);
-        let drivers = self.drivers(t, x, temperature);
-        let r = self.resistance(temperature[WINDING], &drivers) + lost;
-        let k = self.torque_constant(t, temperature, &drivers);
+        let (r, k) = (instant.r + lost, instant.k);
         let slope = if self.is_free() {
             let load = self.load.at(t);
             effects.drag_torque_slope(x[1])
@@ -70,6 +73,7 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         if !self.is_driven() {
             return matrix;
         }
+        let drivers = self.drivers(t, x, temperature);
         let driven = self.driven_slopes(t, x, temperature, &drivers);
         let volts = driven.volts + driven.back_emf * (1.0 - followed);
         matrix + Matrix2::new(-volts[0] * l, -volts[1] * l, driven.torque[0] * j, driven.torque[1] * j)
@@ -108,25 +112,23 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
 
     #[inline(always)]
     fn network_matrix(&self, t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
+        let conductance = self.conductance_at(t);
+        let across = self.constants.across;
+        if Self::PLAIN {
+            return self.network_matrix_of([across; 2], conductance.winding, conductance.housing);
+        }
         let effects = self.ports();
         let (t_w, t_h) = (temperature[WINDING], temperature[CORE]);
         // Derivatives of the heat flow from winding to housing: `hot` with respect to T_w, `cold` with respect to -T_h.
         let share = effects.winding_housing_conductance(t_w);
-        let cold = self.constants.across * share;
+        let cold = across * share;
         let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
-        let conductance = self.conductance_at(t);
         let t_a = self.ambient.at(t);
         let from_housing = conductance.housing
             + effects.housing_to_ambient_slope(t_h, t_a)
             + self.model.conductance.G_still * effects.still_air_slope(t_h - t_a)
             - effects.housing_heat_slope(t_h);
-        let per_kelvin = self.constants.inverse_capacity;
-        Matrix2::new(
-            (-hot - conductance.winding) * per_kelvin[WINDING],
-            cold * per_kelvin[WINDING],
-            hot * per_kelvin[CORE],
-            (-cold - from_housing) * per_kelvin[CORE],
-        )
+        self.network_matrix_of([hot, cold], conductance.winding, from_housing)
     }
 
     #[inline]
@@ -142,15 +144,15 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
     #[inline(always)]
     fn heat_rates_at(&self, t: f64, x: &Fast, _: &Temperatures, instant: &Instant) -> Temperatures {
         let (i, w) = (x[0], x[1]);
-        let volts = instant.r * i + instant.lost;
-        let copper = volts * i + self.ripple_loss(t, instant.r);
+        let lost = if Self::PLAIN { 0.0 } else { instant.lost };
+        let copper = (instant.r * i + lost) * i + self.ripple_loss(t, instant.r);
         let core = self.drag_in_core(w, instant.drag * w) + Self::at(&self.stator, t);
         Temperatures::new(copper + self.heat_at(t, w), core)
     }
 
     /// Energies of one step, each from its own equation and the integrals of the fast solution, so that the balance residual
     /// is the error of the step.
-    #[inline]
+    #[inline(always)]
     fn work(&self, segment: &Segment<NODES>, instants: &[Instant; 3]) -> Work<NODES> {
         let effects = self.ports();
         let (t, h) = (segment.t, segment.h);
@@ -214,7 +216,7 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
             quadrature_error += error_of_drop;
         }
         let (copper, electrical) = if self.is_voltage_driven() {
-            let copper = r(2) * segment.square + simpson(heating(0), heating(1), 0.0) + drop;
+            let copper = r(2) * segment.square + (simpson(heating(0), heating(1), 0.0) + drop);
             quadrature_error += r(2) * segment.error_of_square;
             let mut supplied = line(&self.voltage, 0);
             if self.coasts() {
@@ -258,5 +260,25 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
     fn bends_where_stiff(&self) -> bool {
         // The contact voltage drop changes sign within milliamperes, which the current crosses in microseconds.
         self.ports().acts.at(EffectPort::TerminalVoltage) || self.loses() || self.coasts()
+    }
+}
+
+impl<const FORM: u8> Step<'_, FORM> {
+    /// The Jacobian of the network, 1/s, with these derivatives of the heat flows, W/K: from winding to core with respect to T_w and to -T_h,
+    /// and from either node to its environment.
+    #[inline(always)]
+    fn network_matrix_of(
+        &self,
+        [hot, cold]: [f64; 2],
+        from_winding: f64,
+        from_core: f64,
+    ) -> SMatrix<f64, NODES, NODES> {
+        let per_joule = self.constants.inverse_capacity;
+        Matrix2::new(
+            (-hot - from_winding) * per_joule[WINDING],
+            cold * per_joule[WINDING],
+            hot * per_joule[CORE],
+            (-cold - from_core) * per_joule[CORE],
+        )
     }
 }

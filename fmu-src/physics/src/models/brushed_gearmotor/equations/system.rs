@@ -43,12 +43,17 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline]
-    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
+    fn fast_matrix_at(
+        &self,
+        t: f64,
+        x: &Fast,
+        temperature: &Temperatures,
+        instant: &Instant,
+    ) -> Matrix2<f64> {
         let (gear, effects) = (&self.model.gear, &self.model.effects);
         let (i, w) = (x[0], x[1]);
         let k = self.torque_constant(temperature);
-        let e = k * w + effects.terminal_voltage(i);
-        let per_volt = self.cycle(t, Dual64::from(e).derivative(), temperature).drive.eps;
+        let per_volt = self.cycle(t, Dual64::from(instant.e).derivative(), temperature).drive.eps;
         let r = self.model.motor.resistance(temperature[WINDING]);
         let load = self.load.at(t);
         let at = Dual64::from(w).derivative();
