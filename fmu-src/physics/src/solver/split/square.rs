@@ -57,8 +57,8 @@ impl Squares {
             return (simpson, (simpson - 0.5 * h * (start + end)).abs());
         };
         let moment = moment * (1.0 / h);
-        // S is symmetric. What belongs to the forcing is known early, so that few operations depend on the integrals.
         let of = |a: &Fast, b: &Fast| product(s, a).dot(b);
+        // 2 int x^T S n dt. S n is known before the integrals, so that few operations follow them.
         let forcing = of(&(n0 * 2.0), first) + (of(&(n.n1 * 2.0), &moment) + of(&(n.n2 * 2.0), second));
         // a_12 w with the speed linear over the step.
         let speed = coupled * (x[0][1] * first[0] + h * n0[1] * moment[0]);
