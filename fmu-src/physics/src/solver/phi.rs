@@ -20,7 +20,10 @@
 //! *Source*: Hochbruck, Ostermann: Exponential integrators, Acta Numerica 19 (2010), sections 2.1 and 4.1;
 //! (6): Skaflestad, Wright, Applied Numerical Mathematics 59 (2009).
 
-use nalgebra::{SMatrix, SVector, Vector2};
+mod pair;
+
+use nalgebra::{SMatrix, SVector};
+use pair::pair;
 use std::ops::{Add, Mul, Sub};
 
 /// The product of a matrix and a vector, unrolled: several times faster than the general one at these sizes.
@@ -46,11 +49,6 @@ const POWER: usize = 14;
 /// Norm up to which [`POWER_SMALL`] is sufficient: 1e-3^6 6! / 12!.
 const SMALL: f64 = 1e-3;
 const POWER_SMALL: usize = 4;
-/// Eigenvalues above which p + q z loses more digits than the product of matrices.
-const FAR: f64 = 1e4;
-/// Half the difference of scaled real eigenvalues above which functions of the eigenvalues replace products of p + q z: 0.7 of the
-/// instructions. Rounding errors of q are multiplied by the reciprocal of the difference.
-const APART: f64 = 0.05;
 /// 1 / k!
 const RECIPROCAL: [f64; KEPT + POWER + 1] = {
     let (mut reciprocal, mut factorial, mut k) = ([1.0; KEPT + POWER + 1], 1.0, 1);
@@ -177,52 +175,12 @@ fn scaling(size: f64) -> (i32, usize) {
     (doublings, if left < SMALL { POWER_SMALL } else { POWER })
 }
 
-/// The functions of a matrix of two rows: each is p + q z (Cayley, Hamilton), so that two numbers replace four, and the number of
-/// halvings depends on the eigenvalues only. `None` for other matrices, and for eigenvalues so large that p + q z would
-/// suffer from cancellation.
-fn pair<const N: usize>(z: &SMatrix<f64, N, N>, h: f64) -> Option<Weights<SMatrix<f64, N, N>>> {
-    if N != 2 {
-        return None;
-    }
-    let half_trace = 0.5 * (z[(0, 0)] + z[(1, 1)]);
-    let apart = 0.5 * (z[(0, 0)] - z[(1, 1)]);
-    // The eigenvalues are half the trace plus and minus the root.
-    let square = apart * apart + z[(0, 1)] * z[(1, 0)];
-    let root = square.abs().sqrt();
-    let size = half_trace.abs() + root;
-    if size.is_nan() || size > FAR {
-        return None;
-    }
-    let (doublings, power) = scaling(size);
-    let shrink = 0.5f64.powi(doublings);
-    let (z, root) = (z * shrink, root * shrink);
-    let matrix =
-        |f: Vector2<f64>| SMatrix::from_fn(|i, j| f[1] * z[(i, j)] + if i == j { f[0] } else { 0.0 });
-    if square > 0.0 && root > APART {
-        // p + q z is the line through the functions of both eigenvalues.
-        let eigenvalues = Vector2::new(half_trace * shrink + root, half_trace * shrink - root);
-        let of_eigenvalues = functions(
-            [Vector2::repeat(1.0), eigenvalues],
-            (power, doublings),
-            |a, b| Vector2::new(a[0] * b[0], a[1] * b[1]),
-            |a, number| Vector2::new(a[0] + number, a[1] + number),
-        );
-        let per = 0.5 / root;
-        let line = |f: Vector2<f64>| {
-            let q = (f[0] - f[1]) * per;
-            matrix(Vector2::new(f[0] - q * eigenvalues[0], q))
-        };
-        return Some(Weights::of(of_eigenvalues, h).map(line));
-    }
-    let (trace, determinant) = (z[(0, 0)] + z[(1, 1)], z[(0, 0)] * z[(1, 1)] - z[(0, 1)] * z[(1, 0)]);
-    // z^2 = trace z - determinant.
-    let times = |a: &Vector2<f64>, b: &Vector2<f64>| {
-        let square = a[1] * b[1];
-        Vector2::new(a[0] * b[0] - square * determinant, a[0] * b[1] + a[1] * b[0] + square * trace)
-    };
-    let plus = |a: Vector2<f64>, number: f64| Vector2::new(a[0] + number, a[1]);
-    let of_z = functions([Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)], (power, doublings), times, plus);
-    Some(Weights::of(of_z, h).map(matrix))
+/// The functions of any matrix.
+fn of_any<const N: usize>(z: &SMatrix<f64, N, N>, h: f64) -> Weights<SMatrix<f64, N, N>> {
+    let (doublings, power) = scaling(z.abs().column_sum().max());
+    let (one, z) = (SMatrix::identity(), z * 0.5f64.powi(doublings));
+    let of_z = functions([one, z], (power, doublings), |a, b| a * b, |a, number| a + one * number);
+    Weights::of(of_z, h)
 }
 
 impl<const N: usize> Phi<N> {
@@ -238,14 +196,7 @@ impl<const N: usize> Phi<N> {
     /// The functions of `h * a`; `h` in s, `a` in 1/s, both finite.
     pub fn new(a: SMatrix<f64, N, N>, h: f64) -> Self {
         let z = a * h;
-        let weights = pair(&z, h).unwrap_or_else(|| {
-            let (doublings, power) = scaling(z.abs().column_sum().max());
-            let z = z * 0.5f64.powi(doublings);
-            let one = SMatrix::identity();
-            let of_z = functions([one, z], (power, doublings), |a, b| a * b, |a, number| a + one * number);
-            Weights::of(of_z, h)
-        });
-        Phi { a, h, weights }
+        Phi { a, h, weights: pair(&z, h).unwrap_or_else(|| of_any(&z, h)) }
     }
 
     /// The step for which these functions hold, s.
@@ -349,7 +300,7 @@ impl<const N: usize> Forcing<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix2, matrix, vector};
+    use nalgebra::{Matrix2, Vector2, matrix, vector};
     use proptest::prelude::*;
 
     /// A scalar system whose phi functions have closed forms: x' = -x + 1 + s + s^2 over h = 2.
@@ -389,7 +340,7 @@ mod tests {
         assert!((x - steady).norm() < 1e-9 * steady.norm(), "{x} {steady}");
     }
 
-    /// Eigenvalues apart, equal, and one of them much larger than the other, on both sides of [`FAR`]; then complex ones. Compared with
+    /// Eigenvalues apart, equal, and one of them much larger than the other, on both sides of [`pair::FAR`]; then complex ones. Compared with
     /// the closed form x_s + e^{A h} (x0 - x_s), within the rounding of A x0 and of the doublings.
     #[test]
     fn a_matrix_of_two_rows_has_its_closed_form_near_and_far() {
@@ -407,7 +358,7 @@ mod tests {
         {
             let of = |fast: f64, slow: f64| turn * matrix![fast, 0.0; 0.0, slow] * turn.transpose();
             let matrices = [of(fast, slow), of(1.0 / fast, 1.0 / slow), of(fast.exp(), slow.exp())];
-            holds(matrices, -fast, fast > -FAR);
+            holds(matrices, -fast, fast > -pair::FAR);
         }
         for (decay, swing) in [(0.0, 0.3), (-0.5, 2.0), (-3.0, 40.0)] {
             let of = |real: f64, imaginary: f64| matrix![real, -imaginary; imaginary, real];
