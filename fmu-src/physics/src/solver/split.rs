@@ -254,3 +254,9 @@ impl<const N: usize> Split<N> {
 fn shrink(error: f64) -> f64 {
     if error.is_finite() { (0.7 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 }
 }
+
+/// The largest absolute value. NaN is not detected: it appears in the new state as well.
+#[inline(always)]
+fn largest<const R: usize, const C: usize>(values: &SMatrix<f64, R, C>) -> f64 {
+    values.iter().fold(0.0, |most, value| if most > value.abs() { most } else { value.abs() })
+}

@@ -1,7 +1,7 @@
 //! The frozen Jacobians of both blocks, and when they are updated.
 
 use super::system::{Fast, System};
-use super::{FAST_FLOOR, Squares, TOLERANCE};
+use super::{FAST_FLOOR, Squares, TOLERANCE, largest};
 use crate::solver::phi::{Phi, product};
 use nalgebra::{Matrix2, SMatrix, SVector};
 
@@ -113,6 +113,5 @@ fn per_size<const N: usize>(phi: &Phi<N>) -> SMatrix<f64, N, N> {
 /// Times the step it changes the solution by less than this fraction of the matrix's own effect.
 #[inline(always)]
 fn relative_error<const N: usize>(outdated: &SMatrix<f64, N, N>, per_size: &SMatrix<f64, N, N>) -> f64 {
-    let errors = outdated.component_mul(per_size);
-    errors.iter().fold(0.0, |most, error| if most > error.abs() { most } else { error.abs() })
+    largest(&outdated.component_mul(per_size))
 }

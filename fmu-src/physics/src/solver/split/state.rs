@@ -16,7 +16,7 @@ pub struct State<const N: usize, const E: usize = 3> {
     /// Energy input, energy at the shaft, and heat to ambient since the start, J; then, depending on
     /// `E`, the losses in the winding and by friction.
     pub energy: [f64; E],
-    /// Integrals over the last call to [`Split::advance`], for states other than the nodes.
+    /// Integrals over the last call to [`super::Split::advance`], for states other than the nodes.
     pub integrals: StepIntegrals<N>,
 }
 
@@ -32,14 +32,14 @@ impl<const N: usize, const E: usize> Default for State<N, E> {
     }
 }
 
-/// Integrals over one call to [`Split::advance`]; the next call does not depend on them.
+/// Integrals over one call to [`super::Split::advance`]; the next call does not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepIntegrals<const N: usize> {
     /// Integrals of current, A.s, and speed, rad.
     pub fast: Fast,
     /// Integrals of the node temperatures over time, K.s.
     pub temperature: SVector<f64, N>,
-    /// Heat of the work outside the nodes, J ([`Work::aside`]).
+    /// Heat of the work outside the nodes, J ([`super::Work::aside`]).
     pub aside: f64,
     /// Heat flow out of the nodes, integrated, J.
     pub outflow: f64,

@@ -2,13 +2,13 @@
 //! fewer instructions. The results are equal bit for bit.
 
 use super::frozen::{Frozen, Matrices};
-use super::{FAST_FLOOR, Fast, Segment, Split, State, StepIntegrals, System};
+use super::{FAST_FLOOR, Fast, Segment, Split, State, StepIntegrals, System, largest};
 use crate::solver::phi::{Forcing, product};
 use nalgebra::SVector;
 
-/// Absolute tolerance of temperatures, K (times [`TOLERANCE`]).
+/// Absolute tolerance of temperatures, K (times [`super::TOLERANCE`]).
 const THERMAL_FLOOR: f64 = 1.0;
-/// Absolute tolerance of heat, as temperature of the smallest node, K (times [`TOLERANCE`]).
+/// Absolute tolerance of heat, as temperature of the smallest node, K (times [`super::TOLERANCE`]).
 const HEAT_FLOOR: f64 = 1.0;
 /// Sensitivity of copper and magnets to temperature, 1/K: effect of a temperature error on the fast block.
 const SENSITIVITY: f64 = 0.004;
@@ -229,12 +229,6 @@ impl<const N: usize> Split<N> {
         }
         Ok(error)
     }
-}
-
-/// The largest absolute value. NaN is not detected: it appears in the new state as well.
-#[inline(always)]
-pub(super) fn largest<const N: usize>(values: &SVector<f64, N>) -> f64 {
-    values.iter().fold(0.0, |most, value| if most > value.abs() { most } else { value.abs() })
 }
 
 #[cfg(test)]
