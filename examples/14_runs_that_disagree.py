@@ -122,7 +122,8 @@ def page(answer: dict) -> str:
         the page.
         It uses five runs of the motor of [the measured bench](close-the-loop-bench.md), heated near standstill by about 600
         W (run 12: 1200 W). `tests/reference/bench-bldc-stall/SOURCE.md` has the source. In run 10B a fan blew
-        obliquely at the motor."""),
+        obliquely at the motor. The runs are divided in five ways (splits) into three fit runs, one validation run and one test run;
+        each run is the test run of one split."""),
         "## Measured temperature rises",
         fill(f"""Temperature rise in K after {ENERGY_KJ:.0f} kJ of electrical energy. The housing is then only {least:.0f} to {most:.0f} K
         above its initial temperature, so the fan in run 10B has little effect."""),
@@ -133,7 +134,7 @@ def page(answer: dict) -> str:
         of the two in a run, at most {apart["ratio"]:.1f}, is {within} than the ratio between runs with the same mounting: the cause
         is {cause}. No set of motor parameters can follow all five runs."""),
         "## Errors of each run, predicted from others",
-        fill(f"""Root mean square error of the test run in K. Before: preset. Refit: declared parameters fitted to three other runs.
+        fill(f"""Root mean square error of the test run in K. Before: preset. Refit: declared parameters fitted to the three fit runs.
         Black box: thermal network of two nodes with all parameters free, or ARX model, fitted to the same runs without the equations of
         the motor. After: model that `motor-fmu close-loop`
         exports. The command {effects}."""),

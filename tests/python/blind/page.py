@@ -25,7 +25,7 @@ priors that are sometimes wrong, and runs that sometimes start warm.
 
 The true value of a parameter is its value in the *best two-node model*. This is the two-node model that describes the
 specimen's noise-free response in the fit runs best: a nonlinear least-squares fit, weighted with the noise, without the
-priors. Without structure error it is the specimen. With structure error its parameters can differ from the specimen's:
+priors. Without structure error it has the specimen's parameters. With structure error its parameters can differ from the specimen's:
 a winding whose end turns release little heat responds like a two-node motor with a larger `R_wh`. The criterion compares
 the 95 % intervals with these values, in sets with a structure error of at most {low:g} standard deviations and without
 a wrong prior. Parameters of listed effects are compared with those of the set. Tables with "(specimen)" compare with
