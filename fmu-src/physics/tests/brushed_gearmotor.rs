@@ -1,5 +1,6 @@
 //! The gearmotor: the split against diffsol, the energy balance, the paper's numbers, limits with a known answer.
 
+use crate::common::turn_on_all_nodes;
 use declare::Group;
 use physics::components::chopper::{Decay, ZeroDuty};
 use physics::effects::Effects;
@@ -175,7 +176,8 @@ fn a_drive_cycle_against_the_reference() {
         m.parameters.drive.decay = decay;
         let run = Run { line: 0.05, corner: drive, stop: 1.0, h: 1e-3 };
         agrees(m.clone(), &run, 1e-6, "drive cycle");
-        (m.parameters.thermal.C_g, m.parameters.gear.B) = (15.0, 3000.0);
+        m.parameters.gear.B = 3000.0;
+        turn_on_all_nodes(&mut m);
         agrees(m.clone(), &run, 1e-6, "drive cycle with a gear of its own temperature");
         m.parameters.effects = all_effects();
         agrees(m, &run, 1e-6, "drive cycle with all effects");
@@ -186,10 +188,13 @@ fn a_drive_cycle_against_the_reference() {
 #[test]
 fn the_books_close() {
     for decay in [Decay::Slow, Decay::Fast] {
-        for (effects, capacity) in [(Effects::default(), 0.0), (all_effects(), 15.0)] {
+        for (effects, all_nodes) in [(Effects::default(), false), (all_effects(), true)] {
             for h in [1e-3, 0.02] {
                 let mut m = BrushedGearmotor::default();
-                (m.parameters.thermal.C_g, m.parameters.thermal.friction_to_gear) = (capacity, 0.8);
+                m.parameters.thermal.friction_to_gear = 0.8;
+                if all_nodes {
+                    turn_on_all_nodes(&mut m);
+                }
                 m.parameters.drive.decay = decay;
                 m.parameters.effects = effects;
                 m.start(0.0).unwrap();
@@ -436,7 +441,8 @@ fn the_matrices_are_the_derivatives() {
     for duty in [0.4, 1.0] {
         let mut m = BrushedGearmotor::default();
         m.parameters.effects = all_effects();
-        (m.parameters.thermal.C_g, m.parameters.gear.B) = (15.0, 3000.0);
+        m.parameters.gear.B = 3000.0;
+        turn_on_all_nodes(&mut m);
         (m.inputs.duty, m.inputs.load_torque) = (duty, 0.05);
         m.start(0.0).unwrap();
         let step = m.step_equations();

@@ -1,7 +1,7 @@
 //! Initial states that are set: a run goes on from the states of another one, a hot motor cools down, and a value outside the
 //! limits of validity is refused.
 
-use crate::common::{busy_inputs, cooling_modes, motor, network_modes};
+use crate::common::{busy_inputs, cooling_modes, motor, network_modes, turn_on_all_nodes};
 use physics::effects::Effects;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::cooling::method;
@@ -37,15 +37,14 @@ const OF_MOTOR: [Pair; 10] = [
     ("initial.housing_temperature", "T_housing[1]"),
 ];
 
-const OF_GEARMOTOR: [Pair; 7] = [
-    ("initial.current", "state.current"),
-    ("initial.shaft_speed", "state.shaft_speed"),
-    ("initial.shaft_angle", "state.shaft_angle"),
-    ("initial.winding_temperature", "state.winding_temperature"),
-    ("initial.housing_temperature", "state.housing_temperature"),
-    ("initial.box_temperature", "state.box_temperature"),
-    ("initial.gear_temperature", "state.gear_temperature"),
-];
+/// Those of the gearmotor, whose names differ in the prefix only.
+fn of_gearmotor() -> Vec<Pair> {
+    let declaration = BrushedGearmotor::default().declaration();
+    let initial = declaration.entries.iter().filter_map(|e| Some((e, e.name.strip_prefix("initial.")?)));
+    let state =
+        |own: &str| declaration.by_name(&format!("state.{own}")).unwrap_or_else(|| panic!("no state.{own}"));
+    initial.map(|(entry, own)| (entry.name.as_str(), state(own).name.as_str())).collect()
+}
 
 /// A motor with one segment in these modes, away from rest.
 fn busy(
@@ -97,8 +96,9 @@ fn cases() -> Vec<(Box<dyn Model>, Vec<Pair>, String)> {
         m.inputs.duty = duty;
         m.inputs.load_torque = 0.1;
         m.inputs.ambient_temperature = 285.0;
-        (m.parameters.thermal.C_g, m.parameters.gear.B) = (20.0, 3000.0);
-        all.push((Box::new(m), OF_GEARMOTOR.to_vec(), format!("gearmotor at duty {duty}")));
+        m.parameters.gear.B = 3000.0;
+        turn_on_all_nodes(&mut m);
+        all.push((Box::new(m), of_gearmotor(), format!("gearmotor at duty {duty}")));
     }
     all
 }
@@ -287,7 +287,7 @@ fn a_flywheel_runs_down_within_its_energy_balance() {
 fn a_value_outside_the_limits_of_validity_is_refused() {
     let mut motor = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
     let mut gearmotor = BrushedGearmotor::default();
-    let both: [(&mut dyn Model, &[Pair]); 2] = [(&mut motor, &OF_MOTOR), (&mut gearmotor, &OF_GEARMOTOR)];
+    let both: [(&mut dyn Model, &[Pair]); 2] = [(&mut motor, &OF_MOTOR), (&mut gearmotor, &of_gearmotor())];
     for (m, pairs) in both {
         for (name, _) in pairs.iter().filter(|(name, _)| name.ends_with("temperature")) {
             for value in [99.0, 900.0, 0.5] {

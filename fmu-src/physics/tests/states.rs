@@ -1,6 +1,6 @@
 //! States and rates say what steps do, in every mode, and states that were set are those that come back.
 
-use crate::common::{busy_inputs, cooling_modes, motor};
+use crate::common::{busy_inputs, cooling_modes, motor, turn_on_all_nodes};
 use physics::declare::Causality;
 use physics::effects::Effects;
 use physics::exchange::Exchange;
@@ -71,6 +71,7 @@ fn rates_are_what_steps_do() {
 #[test]
 fn rates_of_the_gearmotor() {
     let mut m = BrushedGearmotor::default();
+    turn_on_all_nodes(&mut m);
     m.inputs.duty = 1.0;
     m.inputs.supply_voltage = 10.0;
     m.start(0.0).unwrap();
@@ -78,7 +79,9 @@ fn rates_of_the_gearmotor() {
     assert_rates(&mut m, "settled");
     let mut states = Vec::new();
     m.states(&mut states);
-    states[2] += 20.0;
+    let declaration = m.declaration();
+    let mut names = declaration.states.iter().map(|[state, _]| &declaration.entries[*state].name);
+    states[names.position(|name| name == "state.winding_temperature").unwrap()] += 20.0;
     assert!(m.set_states(m.time(), &states) && !m.set_states(0.0, &[]));
     assert_rates(&mut m, "warmer");
 }
@@ -87,6 +90,7 @@ fn rates_of_the_gearmotor() {
 fn thrown() -> [(Box<dyn Model>, &'static str, [f64; 2]); 2] {
     let motor = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
     let mut gearmotor = BrushedGearmotor::default();
+    turn_on_all_nodes(&mut gearmotor);
     gearmotor.inputs.supply_voltage = 12.0;
     [(Box::new(motor), "voltage", [40.0, -40.0]), (Box::new(gearmotor), "duty", [1.0, 0.3])]
 }

@@ -50,13 +50,5 @@ variables! {
     }
 }
 
-/// Smallest heat capacity of a node that can be off, J/K.
-const LEAST_CAPACITY: f64 = 1e-3;
-
-impl Enclosure {
-    /// Whether the gear has its own temperature.
-    #[inline]
-    pub fn has_gear(&self) -> bool {
-        self.C_g >= LEAST_CAPACITY
-    }
-}
+/// Smallest heat capacity of a node that can be part of another one, J/K.
+pub const LEAST_CAPACITY: f64 = 1e-3;

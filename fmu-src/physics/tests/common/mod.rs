@@ -1,6 +1,7 @@
 //! What the tests share: motors, input profiles, and the comparison with the reference.
 
 use declare::{Group, Scalar};
+use physics::components::enclosure::Enclosure;
 use physics::effects::*;
 use physics::load_table::LoadTable;
 use physics::model::{Model, Slot};
@@ -8,6 +9,7 @@ use physics::models::annulus_cooled_motor::cooling::{Conditions, method};
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, CoolingMode, DriveMode, Inputs, MechanicalMode, Parameters, STATES, Step,
 };
+use physics::models::brushed_gearmotor::BrushedGearmotor;
 use physics::terms::Drivers;
 use reference::{Tolerance, integrate};
 use std::fmt;
@@ -29,6 +31,16 @@ pub fn motor(drive: DriveMode, mechanical: MechanicalMode) -> AnnulusCooledMotor
     motor.parameters.choices.drive_mode = drive;
     motor.parameters.choices.mechanical_mode = mechanical;
     motor
+}
+
+/// Gives each node of the gearmotor that is off by default its nominal heat capacity.
+pub fn turn_on_all_nodes(gearmotor: &mut BrushedGearmotor) {
+    let thermal = &mut gearmotor.parameters.thermal;
+    for (row, parameter) in Enclosure::TABLE.iter().enumerate() {
+        if parameter.unit == declare::Unit::JoulePerKelvin && parameter.start == 0.0 {
+            assert!(thermal.set(row, parameter.nominal));
+        }
+    }
 }
 
 /// All modes of cooling.

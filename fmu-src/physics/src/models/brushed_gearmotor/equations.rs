@@ -23,7 +23,7 @@
 mod outputs;
 mod system;
 
-use super::nodes::{HOUSING, Losses, NODES, Network, PATHS, Temperatures, WINDING, account};
+use super::nodes::{GEAR, HOUSING, Losses, NODES, Network, Temperatures, WINDING, account};
 use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::components::chopper::{Bridge, Cycle};
@@ -199,7 +199,7 @@ impl<'a> Step<'a> {
     #[inline]
     fn drag(&self, t: f64, w: f64, temperature: &Temperatures) -> f64 {
         let (gear, effects, load) = (&self.model.gear, &self.model.effects, self.load.at(t));
-        let own = gear.drag(w, self.nodes().gear_temperature(temperature)) + effects.drag_torque(w);
+        let own = gear.drag(w, self.nodes().temperature(GEAR, temperature)) + effects.drag_torque(w);
         own + (gear.load_drag(w, load) + effects.load_drag(w, load)) * load
     }
 
@@ -249,9 +249,9 @@ impl<'a> Step<'a> {
         to_ambient += enter(&mut ledger, AirGap, Losses { friction: drag * w, ..Losses::default() });
         ledger.transfer(AirGap, Shaft, self.load.at(t) * w);
         ledger.transfer(AirGap, Kinetic, self.constants.inertia * w * fast[1]);
-        for (&(from, to), flow) in PATHS.iter().zip(self.nodes().flows(self.ambient.at(t), temperature)) {
-            ledger.transfer(Node(from), account(to), flow);
-            to_ambient += if to.is_none() { flow } else { 0.0 };
+        for path in self.nodes().paths(self.ambient.at(t), temperature) {
+            ledger.transfer(Node(path.from), account(path.to), path.flow);
+            to_ambient += if path.to.is_none() { path.flow } else { 0.0 };
         }
 
         Point {

@@ -1,9 +1,9 @@
 //! Thermal nodes of the gearmotor: list of the nodes, heat capacities, heat paths and heat sources.
 //!
-//! A further node is a line of the list ([`nodes!`]), its heat capacity (`capacity`), its heat paths ([`PATHS`], `flows`, `flow_slopes`)
-//! and its heat source (`heats`). States, initial values, outputs, integrator, energy balance, saved states and Model Exchange follow.
+//! A further node is a line of the list ([`nodes!`]), its heat capacity (`capacity`), its heat paths (`paths`) and its heat source (`heats`).
+//! States, initial values, outputs, integrator, energy balance, saved states and Model Exchange follow.
 
-use crate::components::enclosure::Enclosure;
+use crate::components::enclosure::{Enclosure, LEAST_CAPACITY};
 use crate::components::initial::{first_outside, temperature};
 use crate::components::validity::Limits;
 use crate::effects::{Effects, PerNode};
@@ -15,7 +15,7 @@ use nalgebra::SVector;
 /// Passes the list of the nodes to a macro: what each node is, its index, and the name of its temperature; value reference of the output;
 /// name and value reference of the state (that of the derivative is 100 higher), with the nominal value of the derivative; value reference
 /// of the initial value. `near` are measured temperatures that a run can start at, the nearest first, if that of the node is not measured.
-/// A text behind a value reference is added to the description.
+/// `optional`: below the least heat capacity in this field of [`Enclosure`], which has this name, the node is part of another one.
 macro_rules! nodes {
     ($then:ident) => {
         $then! {
@@ -36,10 +36,9 @@ macro_rules! nodes {
             }
             /// the gear
             GEAR gear_temperature {
-                output 59 "; that of the housing without thermal.C_g",
-                state "state.gear_temperature" 712 "; constant without thermal.C_g", rate 0.1,
-                initial 6 " (not without thermal.C_g)",
-                near "housing_temperature" "winding_temperature" "box_temperature"
+                output 59, state "state.gear_temperature" 712, rate 0.1, initial 6,
+                near "housing_temperature" "winding_temperature" "box_temperature",
+                optional C_g "thermal.C_g" part_of HOUSING " the housing"
             }
         }
     };
@@ -48,10 +47,8 @@ pub(super) use nodes;
 
 macro_rules! declare_nodes {
     ($(#[doc = $of:literal] $node:ident $name:ident {
-        output $output:literal $($of_output:literal)?,
-        state $state:literal $reference:literal $($of_state:literal)?, rate $rate:literal,
-        initial $initial:literal $($of_initial:literal)?,
-        near $($near:literal)*
+        output $output:literal, state $state:literal $reference:literal, rate $rate:literal, initial $initial:literal,
+        near $($near:literal)* $(, optional $capacity:ident $switch:literal part_of $whole:ident $of_whole:literal)?
     })*) => {
         #[allow(clippy::upper_case_acronyms)]
         enum Index { $($node),* }
@@ -68,7 +65,7 @@ macro_rules! declare_nodes {
                 "state.shaft_speed" = declare::State::new(702, 802, Unit::RadianPerSecond).nominal(10.0, 10.0),
                 /// Angle of the output shaft, initial.shaft_angle at the start
                 "state.shaft_angle" = declare::State::new(703, 803, Unit::Radian).unbounded().nominal(100.0, 10.0),
-                $(#[doc = concat!(" Temperature of", $of $(, $of_state)?)]
+                $(#[doc = concat!(" Temperature of", $of $(, "; constant without ", $switch)?)]
                 $state = declare::State::new($reference, $reference + 100, Unit::Kelvin).nominal(300.0, $rate),)*
                 /// Energy from the supply since the start
                 "state.energy_supply" = declare::State::new(707, 807, Unit::Joule).unbounded().nominal(1000.0, 10.0),
@@ -86,7 +83,7 @@ macro_rules! declare_nodes {
         variables! {
             /// Initial state.
             pub struct Initial {
-                $(#[doc = concat!(" Initial temperature of", $of, $($of_initial,)? "; 0 K = ambient temperature")]
+                $(#[doc = concat!(" Initial temperature of", $of, $(" (not without ", $switch, ")",)? "; 0 K = ambient temperature")]
                 $name: f64 = Variable::initial_temperature($initial, &[$($near),*]),)*
                 /// Initial mean current in the winding
                 current: f64 = Variable::fixed(3, 0.0, Unit::Ampere, -1e4, 1e4),
@@ -104,6 +101,17 @@ macro_rules! declare_nodes {
             /// Temperatures of the nodes, K.
             fn nodes(&self) -> [f64; NODES] {
                 [$(self.$name),*]
+            }
+        }
+
+        impl Network<'_> {
+            /// The node that has the temperature of this one: itself, or, without its heat capacity, the node that it is part of.
+            #[inline]
+            fn place(&self, node: usize) -> usize {
+                match node {
+                    $($($node if self.thermal.$capacity < LEAST_CAPACITY => $whole,)?)*
+                    _ => node,
+                }
             }
         }
     };
@@ -135,14 +143,18 @@ impl Initial {
     }
 }
 
-/// Heat paths, each from one node to another or to ambient.
-pub(super) const PATHS: &[(usize, Option<usize>)] = &[
-    (WINDING, Some(HOUSING)),
-    (WINDING, Some(BOX)),
-    (HOUSING, Some(BOX)),
-    (BOX, None),
-    (GEAR, Some(HOUSING)),
-];
+/// Heat flow from one node to another or to ambient.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Path {
+    /// The node that it leaves.
+    pub from: usize,
+    /// The node that it reaches; `None`: ambient.
+    pub to: Option<usize>,
+    /// W.
+    pub flow: f64,
+    /// Its derivative with respect to the temperature of `from`, and minus that with respect to the temperature of `to`, W/K.
+    pub slopes: [f64; 2],
+}
 
 /// The account in the energy balance of a node, or of ambient.
 pub(super) fn account(node: Option<usize>) -> Account {
@@ -172,21 +184,27 @@ pub(super) struct Network<'a> {
 }
 
 impl Network<'_> {
-    /// Heat capacities of the nodes, J/K; that of an unused gear node is arbitrary, since it receives no heat.
+    /// Heat capacities of the nodes, J/K; that of a node that is part of another is arbitrary, since it receives no heat.
     pub fn capacity(&self) -> Temperatures {
         let thermal = self.thermal;
         let mut capacity = Temperatures::zeros();
         capacity[WINDING] = thermal.C_w;
         capacity[HOUSING] = thermal.C_h;
         capacity[BOX] = thermal.C_b;
-        capacity[GEAR] = if thermal.has_gear() { thermal.C_g } else { thermal.C_h };
-        capacity
+        capacity[GEAR] = thermal.C_g;
+        Temperatures::from_fn(|node, _| capacity[self.place(node)])
     }
 
-    /// Temperature of the gear, K.
+    /// `value` of a node; 0 if it is part of another one.
     #[inline]
-    pub fn gear_temperature(&self, temperature: &Temperatures) -> f64 {
-        temperature[if self.thermal.has_gear() { GEAR } else { HOUSING }]
+    fn own(&self, node: usize, value: f64) -> f64 {
+        if self.place(node) == node { value } else { 0.0 }
+    }
+
+    /// Temperature of a node, K, or of the one that it is part of.
+    #[inline]
+    pub fn temperature(&self, node: usize, temperature: &Temperatures) -> f64 {
+        temperature[self.place(node)]
     }
 
     /// Temperature of a node as an output, K: that of winding and housing is indicated by a sensor.
@@ -196,22 +214,14 @@ impl Network<'_> {
         match node {
             WINDING => effects.winding_sensor(temperature[WINDING], temperature[BOX]),
             HOUSING => effects.housing_sensor(temperature[HOUSING], temperature[BOX]),
-            GEAR => self.gear_temperature(temperature),
-            _ => temperature[node],
+            _ => self.temperature(node, temperature),
         }
-    }
-
-    /// Conductance from gear to housing, W/K.
-    #[inline]
-    fn gear_conductance(&self) -> f64 {
-        if self.thermal.has_gear() { 1.0 / self.thermal.R_gh } else { 0.0 }
     }
 
     /// Heat of the losses by node, and the rest, which goes to ambient; W or J as the losses.
     #[inline]
     pub fn heats(&self, losses: &Losses) -> (Temperatures, f64) {
-        let thermal = self.thermal;
-        let in_gear = if thermal.has_gear() { thermal.friction_to_gear * losses.friction } else { 0.0 };
+        let in_gear = self.own(GEAR, self.thermal.friction_to_gear) * losses.friction;
         let mut heat = Temperatures::zeros();
         heat[WINDING] = losses.winding;
         heat[HOUSING] = losses.friction - in_gear;
@@ -219,39 +229,37 @@ impl Network<'_> {
         (heat, losses.bridge)
     }
 
-    /// Heat flows along the paths with ambient at `ambient`, K, in W.
-    #[inline]
-    pub fn flows(&self, ambient: f64, temperature: &Temperatures) -> [f64; PATHS.len()] {
+    /// The heat paths with ambient at `ambient`, K.
+    #[inline(always)]
+    pub fn paths(&self, ambient: f64, temperature: &Temperatures) -> impl IntoIterator<Item = Path> {
         let Network { thermal, effects, to_box } = *self;
         let (t_w, t_h, t_b) = (temperature[WINDING], temperature[HOUSING], temperature[BOX]);
-        [
-            (t_w - t_h) / (thermal.R_wh * effects.winding_housing_resistance(t_w)),
-            to_box.winding * (t_w - t_b),
-            (thermal.G_hb + to_box.housing) * (t_h - t_b) + effects.housing_to_ambient(t_h, t_b),
-            thermal.G_ba * (t_b - ambient),
-            self.gear_conductance() * (temperature[GEAR] - t_h),
-        ]
-    }
-
-    /// Derivatives of the flows, W/K: with respect to the temperature at the start of a path, and minus that at its end.
-    #[inline]
-    pub fn flow_slopes(&self, temperature: &Temperatures) -> [[f64; 2]; PATHS.len()] {
-        let Network { thermal, effects, to_box } = *self;
-        let (t_w, t_h, t_b) = (temperature[WINDING], temperature[HOUSING], temperature[BOX]);
-        let share = 1.0 / effects.winding_housing_resistance(t_w);
+        let path = |from, to, flow, slopes| Path { from, to, flow, slopes };
+        let conductance = |from: usize, to: Option<usize>, g: f64| {
+            path(from, to, g * (temperature[from] - to.map_or(ambient, |to| temperature[to])), [g, g])
+        };
+        let factor = effects.winding_housing_resistance(t_w);
+        let share = 1.0 / factor;
         let cold = share / thermal.R_wh;
         let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
-        let through = thermal.G_hb + to_box.housing;
+        let to_box_of_housing = thermal.G_hb + to_box.housing;
+        // Net radiation is antisymmetric in the two temperatures, so its second derivative follows by exchanging them.
+        let [flow, to_hot, to_cold] = [
+            effects.housing_to_ambient(t_h, t_b),
+            effects.housing_to_ambient_slope(t_h, t_b),
+            effects.housing_to_ambient_slope(t_b, t_h),
+        ];
         [
-            [hot, cold],
-            [to_box.winding; 2],
-            // Net radiation is antisymmetric in the two temperatures, so the second derivative follows by exchanging them.
-            [
-                through + effects.housing_to_ambient_slope(t_h, t_b),
-                through + effects.housing_to_ambient_slope(t_b, t_h),
-            ],
-            [thermal.G_ba; 2],
-            [self.gear_conductance(); 2],
+            path(WINDING, Some(HOUSING), (t_w - t_h) / (thermal.R_wh * factor), [hot, cold]),
+            conductance(WINDING, Some(BOX), to_box.winding),
+            path(
+                HOUSING,
+                Some(BOX),
+                to_box_of_housing * (t_h - t_b) + flow,
+                [to_box_of_housing + to_hot, to_box_of_housing + to_cold],
+            ),
+            conductance(BOX, None, thermal.G_ba),
+            conductance(GEAR, Some(HOUSING), self.own(GEAR, 1.0 / thermal.R_gh)),
         ]
     }
 }

@@ -20,7 +20,10 @@ variables! {
 }
 
 macro_rules! outputs {
-    ($(#[doc = $of:literal] $node:ident $name:ident { output $output:literal $($of_output:literal)?, $($rest:tt)* })*) => {
+    ($(#[doc = $of:literal] $node:ident $name:ident {
+        output $output:literal, state $state:literal $reference:literal, rate $rate:literal, initial $initial:literal,
+        near $($near:literal)* $(, optional $capacity:ident $switch:literal part_of $whole:ident $of_whole:literal)?
+    })*) => {
         variables! {
             /// What the model computes. Voltages, currents and powers are means over a switching cycle.
             pub struct Outputs {
@@ -34,7 +37,7 @@ macro_rules! outputs {
                 shaft_speed: f64 = Variable::output(23, Unit::RadianPerSecond).nominal(10.0),
                 /// Indicated torque of the output shaft on the load (effect torque_sensor_offset)
                 shaft_torque: f64 = Variable::output(24, Unit::NewtonMetre),
-                $(#[doc = concat!(" Temperature of", $of $(, $of_output)?)]
+                $(#[doc = concat!(" Temperature of", $of $(, "; that of", $of_whole, " without ", $switch)?)]
                 $name: f64 = Variable::output($output, Unit::Kelvin).nominal(300.0),)*
                 /// Voltage across the winding's resistance and the contacts: R I and contact voltage drop
                 voltage_electrical: f64 = Variable::output(30, Unit::Volt),

@@ -2,7 +2,7 @@
 
 use super::Step;
 use crate::components::chopper::Cycle;
-use crate::models::brushed_gearmotor::nodes::{Losses, NODES, PATHS, Temperatures, WINDING};
+use crate::models::brushed_gearmotor::nodes::{GEAR, Losses, NODES, Path, Temperatures, WINDING};
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 use num_dual::Dual64;
@@ -57,7 +57,7 @@ impl System<NODES> for Step<'_> {
         let r = self.model.motor.resistance(temperature[WINDING]);
         let load = self.load.at(t);
         let at = Dual64::from(w).derivative();
-        let drag = gear.drag(at, self.nodes().gear_temperature(temperature)).eps
+        let drag = gear.drag(at, self.nodes().temperature(GEAR, temperature)).eps
             + effects.drag_torque_slope(w)
             + (gear.load_drag(at, load).eps + effects.load_drag_slope(w, load)) * load;
         let (l, j) = (self.constants.inverse_l, 1.0 / self.constants.inertia);
@@ -68,20 +68,22 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn network(&self, t: f64, temperature: &Temperatures) -> (Temperatures, f64) {
         let (mut gain, mut to_ambient) = (Temperatures::zeros(), 0.0);
-        for (&(from, to), flow) in PATHS.iter().zip(self.nodes().flows(self.ambient.at(t), temperature)) {
-            gain[from] -= flow;
-            match to {
-                Some(node) => gain[node] += flow,
-                None => to_ambient += flow,
+        for path in self.nodes().paths(self.ambient.at(t), temperature) {
+            gain[path.from] -= path.flow;
+            match path.to {
+                Some(node) => gain[node] += path.flow,
+                None => to_ambient += path.flow,
             }
         }
         (gain.component_mul(&self.constants.inverse_capacity), to_ambient)
     }
 
     #[inline]
-    fn network_matrix(&self, _t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
+    fn network_matrix(&self, t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
         let mut gain = SMatrix::<f64, NODES, NODES>::zeros();
-        for (&(from, to), [grows, falls]) in PATHS.iter().zip(self.nodes().flow_slopes(temperature)) {
+        for Path { from, to, slopes: [grows, falls], .. } in
+            self.nodes().paths(self.ambient.at(t), temperature)
+        {
             gain[(from, from)] -= grows;
             if let Some(node) = to {
                 gain[(node, from)] += grows;
