@@ -298,7 +298,7 @@ impl Variable {
         if self.saturates && value.is_finite() { value.clamp(self.min, self.max) } else { value }
     }
 
-    /// Used by [`variables!`](crate::variables): adds name, description and type of the field.
+    /// Used by [`variables!`](crate::variables!): adds name, description and type of the field.
     #[doc(hidden)]
     pub const fn named(mut self, name: &'static str, doc: &'static str, kind: Kind) -> Variable {
         self.name = name;
@@ -308,7 +308,7 @@ impl Variable {
     }
 }
 
-/// A struct of variables with its table. Implemented by [`variables!`](crate::variables).
+/// A struct of variables with its table. Implemented by [`variables!`](crate::variables!).
 pub trait Group {
     /// One element per field, in the order of the fields.
     const TABLE: &'static [Variable];
@@ -355,7 +355,7 @@ pub trait Group {
     }
 }
 
-/// A struct of variables whose rows have names. Implemented by [`variables!`](crate::variables).
+/// A struct of variables whose rows have names. Implemented by [`variables!`](crate::variables!).
 pub trait Named: Group {
     /// The rows: an enumeration with the names of the fields.
     type Row: Copy;

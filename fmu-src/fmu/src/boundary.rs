@@ -168,7 +168,7 @@ fn made(
 /// Enables or disables the messages of an instance.
 ///
 /// # Safety
-/// As [`enter`] and [`array`]; the categories are NULL or zero-terminated.
+/// As [`enter`] and [`array()`]; the categories are NULL or zero-terminated.
 pub unsafe fn set_logging(
     handle: *mut c_void,
     function: &str,

@@ -2,7 +2,7 @@
 
 use crate::model::GroupAt;
 
-/// A struct of groups of variables, implemented by [`groups!`](crate::groups).
+/// A struct of groups of variables, implemented by [`groups!`](crate::groups!).
 pub trait Grouped {
     /// Number of groups.
     const COUNT: usize;
@@ -64,7 +64,7 @@ macro_rules! groups {
     };
 }
 
-/// One field of [`groups!`](crate::groups): a group with prefix and base, or a struct of groups.
+/// One field of [`groups!`](crate::groups!): a group with prefix and base, or a struct of groups.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! group {

@@ -3,14 +3,14 @@
 //!
 //! sigma_y <= sigma_r,   sigma_u <= sigma_r / |dy/du|                                                  (1)
 //!
-//! u' = u + K (r - <r>),   K = J sigma_u^2 / (sigma_s^2 + J^2 sigma_u^2)                              (2)
+//! u' = u + K (r - r_m),   K = J sigma_u^2 / (sigma_s^2 + J^2 sigma_u^2)                              (2)
 //!
 //! sigma_r is the noise of the residual of output y by eq. (2) of `noise.rs`, |dy/du| the rms response of y to an input in the same row. The
 //! model describes changes between rows that eq. (2) takes for noise in the readings themselves.
 //!
 //! (2) is the estimate of an input from its reading and from an output that its noise reaches within a row by J, and whose sensor is the
 //! better one: a current near 0 is known from its own reading, and not from the difference of a voltage and a back-EMF that both vary. r is
-//! the residual of the output, <r> its mean over neighbours that agree to within noise, so that what is slow stays in the residual. It is
+//! the residual of the output, r_m its mean over neighbours that agree to within noise, so that what is slow stays in the residual. It is
 //! used where this output is 0 to within noise: a law over it that makes the model insensitive to its inputs would otherwise explain the
 //! noise.
 //! *Source*: Gelb (ed.), Applied Optimal Estimation (1974), sec. 4.2 (gain K).

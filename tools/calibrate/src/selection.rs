@@ -119,7 +119,7 @@ pub struct Round<'a> {
     excuse: Option<&'static str>,
     /// Candidates that the data cannot distinguish from it.
     pub alike: Vec<usize>,
-    /// A listed effect that also passes and may be a part of the accepted law: [`is_element_of`](preference::is_element_of).
+    /// A listed effect that also passes and may be a part of the accepted law: [`preference::is_element_of`].
     pub part: Option<usize>,
     /// Candidates that could not be fitted, with the reason.
     failed: Vec<(Scored, CalibrateError)>,

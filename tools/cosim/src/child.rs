@@ -2,7 +2,7 @@
 //! the call.
 //!
 //! The parent ([`supervise`]) owns the temporary folder of the child. It gets lines over a pipe that no code of an FMU sees, each
-//! with a number that only the two processes know, and reads from shared memory in which call the child is ([`page`](crate::page)).
+//! with a number that only the two processes know, and reads from shared memory in which call the child is ([`crate::page`]).
 //! The child (`inside.rs`) is a process group of its own. When its parent is gone, it removes the folder and ends.
 mod inside;
 #[cfg(unix)]

@@ -50,7 +50,7 @@ pub(crate) const DARK: Palette = Palette {
 /// Sizes of numbers that are written without an exponent.
 pub const PLAIN: std::ops::Range<f64> = 1e-4..1e5;
 
-/// A number with four significant digits, in ASCII: for texts that programs may read. [`typeset`] gives it the signs of pages and figures.
+/// A number with four significant digits, in ASCII: for texts that programs may read. [`typeset()`] gives it the signs of pages and figures.
 pub fn number(value: f64) -> String {
     if !value.is_finite() {
         return "–".to_owned();

@@ -1,7 +1,7 @@
 //! Studies with the native models, without FMI: a model on a bench, its steady state, sweeps, and the numbers
 //! of the two published systems recomputed.
 //!
-//! [`bench`] knows models by name and variables by name; all else here goes through it.
+//! [`mod@bench`] knows models by name and variables by name; all else here goes through it.
 
 pub mod bench;
 pub mod datasheet;

@@ -1,4 +1,4 @@
-//! `cargo xtask tidy`: format, lints, dependencies between crates, lengths of files, generated files, licences,
+//! `cargo xtask tidy`: format, lints, links of the documentation, dependencies between crates, lengths of files, generated files, licences,
 //! reasons of numeric constants.
 
 mod arrows;
@@ -28,7 +28,8 @@ const CHECKS: &[Check] = &[
 
 /// Checks that compile: a test of `describe` makes the last one at fewer points, and clippy compiles every package once more, which takes a minute and a
 /// half from a fresh clone. They are a part of `cargo xtask tidy` and of the nightly run.
-const FURTHER: &[Check] = &[("lints", lints), ("generated files", describe::check)];
+const FURTHER: &[Check] =
+    &[("lints", lints), ("documentation", documentation), ("generated files", describe::check)];
 
 /// Runs every check, failed or not.
 pub fn run(workspace: &Workspace) -> Outcome {
@@ -44,6 +45,19 @@ fn lints(workspace: &Workspace) -> Outcome {
     let arguments =
         ["clippy", "--quiet", "--release", "--workspace", "--all-targets", "--", "--deny", "warnings"];
     shell::run(&mut workspace.cargo(&arguments))
+}
+
+/// A link to an item that does not exist, or to two, is a warning of rustdoc.
+fn documentation(workspace: &Workspace) -> Outcome {
+    let mut command = workspace.cargo(&[
+        "doc",
+        "--quiet",
+        "--release",
+        "--workspace",
+        "--no-deps",
+        "--document-private-items",
+    ]);
+    shell::run(command.env("RUSTDOCFLAGS", "--deny warnings"))
 }
 
 fn all<'a>(workspace: &Workspace, checks: impl Iterator<Item = &'a Check>) -> Outcome {

@@ -7,7 +7,7 @@
 //! thermal.T_w_max is the manufacturer's limit; it sets over_temperature and does not end the simulation. At the limits here the
 //! equations no longer hold and the simulation ends: thermal runaway, fan failure, a communication step of hours at stall.
 //! *Assumes* that the extreme temperature decides: no time at temperature, no partial failure.
-//! *Sign*: [`Limits::beyond`] is positive outside. *Range*: limits that T_w_max and the ambient temperature do not reach.
+//! *Sign*: [`Limits::excess`] is positive outside. *Range*: limits that T_w_max and the ambient temperature do not reach.
 //! *Source*: (1) cut-through test of polyester enamel, class 155, at 270 degC: IEC 60317-3:2004+A1:2010, clause 10. (2) Curie
 //! temperature of Nd-Fe-B, 310 degC (data sheets of sintered grades), of ferrite, 450 degC. (3) Matula, J. Phys. Chem. Ref.
 //! Data 8 (1979) 1147: resistivity of copper is linear in temperature above about 100 K.

@@ -1,6 +1,6 @@
 //! Checks that need the FMU to run.
 //!
-//! They run in a child process ([`run`] starts it, [`probe`] is what it does), so that an FMU that crashes or hangs is a
+//! They run in a child process ([`run`] starts it, [`mod@probe`] is what it does), so that an FMU that crashes or hangs is a
 //! finding and not the end of the validator. The child reports each stage before it begins; after a crash the next child
 //! continues behind that stage.
 
@@ -30,7 +30,7 @@ pub use report::{Event, Observation};
 const MOST_CHILDREN: usize = 6;
 
 /// Runs the dynamic checks of an FMU of this standard through `program probe FILE STAGE`, a child of
-/// [`cosim::child`] that sends the events of [`probe`] as JSON. A call may take `patience`.
+/// [`cosim::child`] that sends the events of [`mod@probe`] as JSON. A call may take `patience`.
 pub fn run(program: &Path, file: &Path, version: FmiVersion, patience: Duration) -> Vec<Finding> {
     let mut out = Findings::new();
     out.version = version;

@@ -276,7 +276,7 @@ pub fn contradiction(
     Ok(Ok(references))
 }
 
-/// The value of [set] or [prior] that contradicts what is left of the data after all other checks.
+/// The value of `[set]` or `[prior]` that contradicts what is left of the data after all other checks.
 ///
 /// # Errors
 /// An experiment whose model cannot be set up.

@@ -148,7 +148,7 @@ impl Network {
         if self.body.has(ROTOR) { next[ROTOR] } else { mean(&next[FIRST..FIRST + self.body.segments]) }
     }
 
-    /// Temperatures by index ([`Body::nodes`]), K.
+    /// Temperatures, K: rotor, tube, segments from [`FIRST`] on.
     pub fn temperatures(&self) -> &States {
         &self.states
     }

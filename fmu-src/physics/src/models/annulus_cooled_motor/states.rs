@@ -23,7 +23,7 @@ impl AnnulusCooledMotor {
         PerNode { winding: self.own.state.temperature[0], housing: self.housing_temperature() }
     }
 
-    /// Index of a state among the temperatures of the network ([`Body::nodes`](super::network::Body::nodes)).
+    /// Index of a state among the temperatures of the network ([`Network::temperatures`](super::network::Network::temperatures)).
     fn node(k: usize) -> usize {
         match k {
             ROTOR => 0,

@@ -222,7 +222,7 @@ pub(super) fn crossed(
     Ok(all)
 }
 
-/// Cost if a parameter of [set] or [prior] has this standard deviation relative to its value, with the value then and the present one; `None`
+/// Cost if a parameter of `[set]` or `[prior]` has this standard deviation relative to its value, with the value then and the present one; `None`
 /// if it is no real number or zero.
 pub(super) fn with_free(
     judge: &Judge,

@@ -134,7 +134,7 @@ pub(super) fn wrong_time(
     Ok(agrees.then_some(Unusable::new(&channel, reason, suggestion)))
 }
 
-/// Parameters of [set] and [prior] whose other value explains the unchanged data as well as the corrected mistakes: name, that value and
+/// Parameters of `[set]` and `[prior]` whose other value explains the unchanged data as well as the corrected mistakes: name, that value and
 /// the present one. A greater difference than [`FACTOR`] is none between a motor and its preset.
 fn other_values(
     judge: &Judge,
@@ -150,7 +150,7 @@ fn other_values(
     Ok(found)
 }
 
-/// The value of [set] or [prior] of another order than the specimen's, if the data agree with the model with that of the specimen.
+/// The value of `[set]` or `[prior]` of another order than the specimen's, if the data agree with the model with that of the specimen.
 pub(super) fn wrong_value(
     judge: &Judge,
     experiment: &Experiment,
@@ -179,7 +179,7 @@ fn is_of_its_order(value: f64, own: f64) -> bool {
     (1.0 / FACTOR..=FACTOR).contains(&(value / own))
 }
 
-/// The parameters of [set] and [prior] without the shapes of effects, each with the cost if it has this standard deviation relative to its
+/// The parameters of `[set]` and `[prior]` without the shapes of effects, each with the cost if it has this standard deviation relative to its
 /// value, the value then, and the present one.
 fn freed(
     judge: &Judge,

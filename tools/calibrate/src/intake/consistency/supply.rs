@@ -283,7 +283,7 @@ fn bus(judge: &Judge, experiment: &Experiment, places: &Places) -> Vec<Changed> 
     [current, speed].into_iter().filter_map(by).collect()
 }
 
-/// Torque constant and resistance of the preset or [set], SI units.
+/// Torque constant and resistance of the preset or `[set]`, SI units.
 fn constants(judge: &Judge, experiment: &Experiment) -> Option<(f64, f64)> {
     let bench = Bench::new(experiment, judge.preset).ok()?;
     let of = |name: &str| Some(bench.start_of(bench.declaration().by_name(name)?.slot));

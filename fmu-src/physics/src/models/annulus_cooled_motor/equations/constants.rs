@@ -135,7 +135,7 @@ impl Constants {
         &self.limits
     }
 
-    /// Whether a step with these input derivatives is [`Step`]'s `PLAIN` case: drag torques are the only effects within it, the drive
+    /// Whether a step with these input derivatives is of the kind [`PLAIN`](super::PLAIN): drag torques are the only effects within it, the drive
     /// is ideal, the fan command is constant and the source voltage linear.
     #[inline]
     pub(in super::super) fn are_plain(&self, slopes: &Inputs) -> bool {
