@@ -6,7 +6,7 @@ use crate::blackbox::black_boxes;
 use crate::close_loop::Judgement;
 use crate::comparison::{self, with_unit};
 use crate::deadline::Deadline;
-use crate::experiment::{Channel, Role};
+use crate::experiment::{Channel, Experiment, Role};
 use crate::hypothesis::Hypothesis;
 use crate::instruments;
 use crate::levels::{AT_NOISE, DECISIVE, PART, STRUCTURE, SURE};
@@ -167,6 +167,7 @@ pub fn outcome(
         }
     }
     notes.extend(disagreement(setup, &errors));
+    notes.extend(of_odd_file(experiment, &hypothesis, &errors));
     notes.extend(comparison::notes(&errors, &boxes, judged.verdict));
     let added =
         hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped).map(move |n| (a, n)));
@@ -220,6 +221,14 @@ pub fn outcome(
         is_cut: false,
         seconds: 0.0,
     })
+}
+
+/// What is said of the file that disagrees with the others, unless effects that act in all runs describe it like them.
+fn of_odd_file(experiment: &Experiment, found: &Hypothesis, errors: &[ChannelError]) -> Option<String> {
+    let odd = experiment.odd_file.as_ref()?;
+    let is_open = errors.iter().any(|e| e.role != Role::Test && e.unexplained().is_some());
+    let is_of_some_runs = found.additions.iter().any(|a| a.active.iter().any(|on| !on));
+    (is_open || is_of_some_runs).then(|| odd.note.clone())
 }
 
 /// One sentence about the disagreement between runs, if it is counted as noise.
@@ -435,30 +444,4 @@ fn of_either(value: f64, (least, most): (f64, f64), limits: (f64, f64)) -> (f64,
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{interval, of_either};
-
-    const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-
-    /// An interval covers the exported value as widely as the estimate, also if they differ.
-    #[test]
-    fn intervals_are_those_of_either_estimate() {
-        assert_eq!(of_either(3.0, (2.0, 4.0), FREE), (2.0, 4.0));
-        assert_eq!(of_either(6.0, (2.0, 4.0), FREE), (2.0, 7.0));
-        assert_eq!(of_either(3.5, (2.0, 4.0), (0.0, 4.2)), (2.0, 4.2));
-        // At a limit it has one side.
-        assert_eq!(of_either(0.0, (0.0, 1.0), (0.0, 9.0)), (0.0, 1.0));
-    }
-
-    /// At a limit, the interval ends where the parabola about the unconstrained optimum has risen by 1.96^2 squared deviations.
-    #[test]
-    fn intervals_end_at_limits_and_follow_the_profile_there() {
-        assert_eq!(interval(3.0, 0.0, 2.0, FREE), (1.0, 5.0));
-        assert_eq!(interval(1.0, 0.0, 2.0, (0.0, 9.0)), (0.0, 3.0));
-        // Optimum at -1.5: from 0 to 1 the parabola rises from 1.5^2 to 2.5^2, by 2^2.
-        assert_eq!(interval(0.0, -1.5, 2.0, (0.0, 9.0)), (0.0, 1.0));
-        assert_eq!(interval(9.0, 1.5, 2.0, (0.0, 9.0)), (8.0, 9.0));
-        // Optimum at the limit itself: one half of the normal interval.
-        assert_eq!(interval(0.0, 0.0, 2.0, (0.0, 9.0)), (0.0, 2.0));
-    }
-}
+mod tests;

@@ -129,7 +129,7 @@ pub struct Experiment {
     /// The runs.
     pub runs: Vec<Run>,
     /// The file without which the declared parameters describe all other fit and validation runs, if there is one.
-    pub odd_file: Option<String>,
+    pub odd_file: Option<OddFile>,
     /// Warnings.
     pub notes: Vec<String>,
     /// Columns and their headers from `[columns]`.
@@ -189,6 +189,15 @@ impl Place<'_> {
         let line = 1 + before.iter().filter(|b| **b == b'\n').count();
         CalibrateError(format!("{}:{line}: {message}", self.file))
     }
+}
+
+/// A file that disagrees with all others.
+#[derive(Clone, Debug)]
+pub struct OddFile {
+    /// Its name.
+    pub name: String,
+    /// What the report says of it unless the final model describes all runs.
+    pub note: String,
 }
 
 impl Experiment {

@@ -161,6 +161,14 @@ pub struct ChannelError {
     pub prediction: Prediction,
 }
 
+impl ChannelError {
+    /// Ratio of the final error to the noise, if it is above [`EXPLAINED`] and the error is above that of good instruments.
+    pub fn unexplained(&self) -> Option<f64> {
+        let ratio = self.after / self.floor;
+        (self.floor > 0.0 && self.after > self.instruments && ratio > EXPLAINED).then_some(ratio)
+    }
+}
+
 /// 95 % prediction intervals of one output over the readings of one role.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
@@ -367,8 +375,8 @@ impl Outcome {
     /// The greatest error of the final model relative to the noise in the runs of a role, with that ratio, if it is above [`EXPLAINED`] and
     /// above the error of good instruments.
     pub fn unexplained_error(&self, role: Role) -> Option<(&ChannelError, f64)> {
-        let of = self.errors.iter().filter(|e| e.role == role && e.floor > 0.0 && e.after > e.instruments);
-        let ratios = of.map(|e| (e, e.after / e.floor)).filter(|(_, ratio)| *ratio > EXPLAINED);
+        let of = self.errors.iter().filter(|e| e.role == role);
+        let ratios = of.filter_map(|e| Some((e, e.unexplained()?)));
         ratios.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 

@@ -14,7 +14,7 @@ use super::{Unusable, clocks};
 use crate::CalibrateError;
 use crate::comparison::digits;
 use crate::deadline::Deadline;
-use crate::experiment::{Experiment, Role};
+use crate::experiment::{Experiment, OddFile, Role};
 use crate::levels::{AT_NOISE, SMALL};
 use crate::parallel;
 use crate::setup::Setup;
@@ -22,7 +22,7 @@ use crate::setup::Setup;
 /// Fewest files of which one can be odd. Derivation: of two, each disagrees with the other.
 const FEWEST: usize = 3;
 
-/// Looks for the odd file: a channel with another clock in it is set aside or makes it unusable; otherwise a note names the file.
+/// Looks for the odd file: a channel with another clock in it is set aside or makes it unusable; otherwise the experiment names the file.
 ///
 /// # Errors
 /// An experiment whose model cannot be set up.
@@ -35,14 +35,14 @@ pub fn check(
     let known = experiment.notes.len();
     let unusable = clocks::in_runs(experiment, &runs, preset, deadline)?;
     if unusable.is_none() && experiment.notes.len() == known {
-        let file = experiment.runs[runs[0]].file.clone();
-        experiment.notes.push(format!(
-            "{file} disagrees with the other runs: without it the declared parameters alone describe the fit and validation runs, with a residual \
+        let name = experiment.runs[runs[0]].file.clone();
+        let note = format!(
+            "{name} disagrees with the other runs: without it the declared parameters alone describe the fit and validation runs, with a residual \
              beyond the noise that is {} times smaller than without any other run; either it shows what the others do not, or one of its \
              channels is wrong, or it is of another motor",
             digits(ratio)
-        ));
-        experiment.odd_file = Some(file);
+        );
+        experiment.odd_file = Some(OddFile { name, note });
     }
     Ok(unusable)
 }
@@ -113,7 +113,8 @@ mod tests {
         let mut experiment = three(1, CURRENT, |_, x| 1.2 * x + 0.3);
         assert_eq!(odd(&experiment), Some(1));
         check(&mut experiment, &[], &Deadline::default()).unwrap();
-        assert!(experiment.notes.iter().any(|n| n.starts_with("b.csv disagrees")), "{:?}", experiment.notes);
+        let OddFile { name, note } = experiment.odd_file.unwrap();
+        assert!(name == "b.csv" && note.starts_with("b.csv disagrees"), "{note}");
     }
 
     /// Nothing wrong, the same in all files, and of two files.

@@ -154,7 +154,7 @@ fn outweighs(before: &Linearization, with: &Linearization) -> bool {
 /// Sentence on a law of all runs that only one of the files asks for. What a listed effect does elsewhere is known from its form; a law is what its
 /// readings make it, and they may be wrong.
 fn of_one_file(candidate: &Candidate) -> Option<String> {
-    let file = candidate.point.setup.experiment.odd_file.as_ref()?;
+    let file = &candidate.point.setup.experiment.odd_file.as_ref()?.name;
     let addition = candidate.addition();
     (!addition.is_listed() && addition.active.iter().all(|on| *on)).then(|| {
         format!("only {file} supports it: without this file the parameters describe the other runs, and the file may be wrong")
@@ -323,6 +323,7 @@ pub fn predicts_where_it_acts(before: &Linearization, candidate: &Candidate) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::OddFile;
     use crate::hypothesis::Addition;
     use crate::testing;
     use physics::terms::Driver;
@@ -339,7 +340,7 @@ mod tests {
     #[test]
     fn a_law_that_one_file_asks_for_is_refused() {
         let mut experiment = testing::experiment(testing::PRIORS, true);
-        for odd in [None, Some("run.csv".to_string())] {
+        for odd in [None, Some(OddFile { name: "run.csv".into(), note: String::new() })] {
             experiment.odd_file = odd.clone();
             let setup = Setup::new(&experiment, &[]).unwrap();
             let law = testing::law(Port::DragTorque, Follows::Driver(Driver::Speed));
