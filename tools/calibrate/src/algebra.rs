@@ -13,13 +13,40 @@ const WIDE: usize = 6;
 
 /// a'b.
 pub fn product(a: &DMatrix<f64>, b: &Matrix<f64, Dyn, Dyn, impl Storage<f64, Dyn, Dyn>>) -> DMatrix<f64> {
-    if a.ncols().min(b.ncols()) < WIDE {
-        return a.tr_mul(b);
+    product_of(a.as_slice(), a.shape(), b)
+}
+
+/// a'b; `a` in columns, with the numbers of its rows and columns.
+fn product_of(
+    a: &[f64],
+    (rows, columns): (usize, usize),
+    b: &Matrix<f64, Dyn, Dyn, impl Storage<f64, Dyn, Dyn>>,
+) -> DMatrix<f64> {
+    if columns.min(b.ncols()) < WIDE {
+        return DMatrixView::from_slice(a, rows, columns).tr_mul(b);
     }
-    let (rows, columns) = (Dyn(a.nrows()), Dyn(a.ncols()));
+    let (rows, columns) = (Dyn(rows), Dyn(columns));
     let transposed: DMatrixView<f64, Dyn, Dyn> =
-        DMatrixView::from_slice_with_strides_generic(a.as_slice(), columns, rows, rows, Dyn(1));
+        DMatrixView::from_slice_with_strides_generic(a, columns, rows, rows, Dyn(1));
     transposed * b
+}
+
+/// a'a of each group of `width` columns.
+pub fn squares_of_groups(a: &DMatrix<f64>, width: usize) -> Vec<DMatrix<f64>> {
+    let (rows, values) = (a.nrows(), a.nrows() * width);
+    let groups = (0..a.ncols() / width.max(1)).map(|k| &a.as_slice()[k * values..(k + 1) * values]);
+    groups.map(|own| product_of(own, (rows, width), &DMatrixView::from_slice(own, rows, width))).collect()
+}
+
+/// L b, where the matrix L is 0 above its diagonal.
+pub fn lower_product(l: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = l.nrows();
+    let mut all = DMatrix::zeros(n, b.ncols());
+    for from in (0..n).step_by(BLOCK) {
+        let to = n.min(from + BLOCK);
+        all.rows_range_mut(from..to).gemm(1.0, &l.view_range(from..to, ..to), &b.rows_range(..to), 0.0);
+    }
+    all
 }
 
 /// The solution of L x = b, with the Cholesky factor L.
@@ -67,6 +94,18 @@ mod tests {
         assert!((&square - z.tr_mul(&z)).norm() < 1e-12 * square.norm());
         let (own, whole) = (cholesky(square.clone()).unwrap(), square.clone().cholesky().unwrap());
         assert!((own.l() - whole.l()).norm() < 1e-9 * whole.l().norm());
+        assert!(
+            (lower_product(&whole.l(), &square) - whole.l() * &square).norm()
+                < 1e-12 * square.norm().powf(1.5)
+        );
+        for width in [1, WIDE + 1] {
+            let groups = squares_of_groups(&z, width);
+            assert_eq!(groups.len(), z.ncols() / width);
+            for (k, own) in groups.iter().enumerate() {
+                let part = z.columns(k * width, width).into_owned();
+                assert!((own - part.tr_mul(&part)).norm() < 1e-12 * own.norm());
+            }
+        }
         for columns in [1, WIDE] {
             let b = z.rows(0, columns).transpose();
             let x = solve_lower(&own, b.clone());

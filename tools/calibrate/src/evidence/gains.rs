@@ -1,7 +1,7 @@
 //! Gains of columns, and of many groups of columns at once.
 
 use super::{Evidence, Explained, Gain, Noise, ROUNDING, Series};
-use crate::algebra::product;
+use crate::algebra::{lower_product, product, squares_of_groups};
 use nalgebra::{DMatrix, DVector};
 
 /// Products of a group of columns S with the null model, for one covariance of the noise.
@@ -20,7 +20,8 @@ impl Noise {
         let s = self.whitened(series, s);
         let (zts, own) = (product(&self.z, &s), s.tr_mul(&self.r));
         let squares = squares_of_groups(&s, width);
-        let explained = self.states.iter().map(|state| squares_of_groups(&(state.inverse() * &zts), width));
+        let explained =
+            self.states.iter().map(|state| squares_of_groups(&lower_product(state.inverse(), &zts), width));
         let explained: Vec<_> = explained.collect();
         let left: Vec<DVector<f64>> = self.states.iter().map(|state| &own - zts.tr_mul(&state.c)).collect();
         let left = DMatrix::from_columns(&left);
@@ -31,12 +32,6 @@ impl Noise {
         };
         squares.into_iter().enumerate().map(group).collect()
     }
-}
-
-/// S'S of each group of `width` columns.
-fn squares_of_groups(s: &DMatrix<f64>, width: usize) -> Vec<DMatrix<f64>> {
-    let groups = (0..s.ncols()).step_by(width.max(1)).map(|from| s.columns(from, width).into_owned());
-    groups.map(|own| product(&own, &own)).collect()
 }
 
 impl Evidence {
