@@ -140,8 +140,8 @@ pub fn least(experiment: &Experiment, n: usize, channel: &Channel) -> f64 {
     least.max(quantised(experiment, n, channel))
 }
 
-/// Standard deviations of all channels, inputs first, in SI units: as stated in the experiment, otherwise the median over its runs;
-/// including quantization.
+/// Standard deviations of all channels, inputs first, in SI units: as stated in the experiment, otherwise that of its runs
+/// ([`of_columns`]); including quantization.
 pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
     let channels = experiment.inputs.iter().chain(&experiment.outputs);
     channels
@@ -158,11 +158,17 @@ pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
         .collect()
 }
 
-/// The median of [`of_column`] over columns with their times.
+/// Noise of an instrument in several runs, from columns with their times: the lower quartile of [`of_column`] where it is not 0, or 0 if it is
+/// 0 in most. A load that changes from row to row only increases (2), so the runs with the smaller values show the noise; at rest some
+/// channels have none.
 pub fn of_columns<'a>(columns: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> Option<f64> {
     let mut all: Vec<f64> = columns.filter_map(|(time, column)| of_column(time, column)).collect();
     all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied()
+    if *all.get(all.len() / 2)? == 0.0 {
+        return Some(0.0);
+    }
+    all.retain(|sigma| *sigma > 0.0);
+    all.get((all.len() - 1) / 4).copied()
 }
 
 #[cfg(test)]
@@ -182,6 +188,23 @@ mod tests {
         let sigma = of_column(&time, &column).unwrap();
         assert!((sigma / 0.2 - 1.0).abs() < 0.05, "{sigma}");
         assert_eq!(of_column(&time[..4], &column[..4]), None);
+    }
+
+    /// Of four runs two have a load that changes in every row, or one is at rest with a reading of exactly 0.
+    #[test]
+    fn noise_is_that_of_the_calmer_runs() {
+        let mut rng = rng(11);
+        let time: Vec<f64> = (0..800).map(|k| 2.0 * f64::from(k)).collect();
+        let mut run = |swing: f64, sigma: f64| -> Vec<f64> {
+            (0..800).map(|k| swing * f64::from(k % 7) + sigma * normal(&mut rng)).collect()
+        };
+        let columns = [run(5.0, 0.1), run(0.0, 0.1), run(9.0, 0.1), run(0.0, 0.1), run(0.0, 0.0)];
+        let of = |which: &[usize]| of_columns(which.iter().map(|k| (&time[..], &columns[*k][..]))).unwrap();
+        for which in [&[0, 1, 2, 3][..], &[0, 1], &[0, 1, 3, 4]] {
+            assert!((of(which) / 0.1 - 1.0).abs() < 0.1, "{which:?}: {}", of(which));
+        }
+        assert!(of(&[0, 2]) > 1.0 && of(&[4, 4, 0]) == 0.0);
+        assert_eq!(of_columns(std::iter::empty()), None);
     }
 
     /// Every fifth row measured, and every fifth row new: the noise is that of the readings.
