@@ -179,9 +179,10 @@ impl Setup<'_> {
         let told = noise::of_experiment(self.experiment);
         let left = |output: usize| {
             let own = || columns[output].iter();
-            let read = of_columns(own().map(|c| (c.time, c.read.as_slice())))?;
-            let left = of_columns(own().map(|c| (c.time, c.left.as_slice())))?;
-            let is_stated = is_stated(self.experiment, self.experiment.outputs[output]);
+            let channel = self.experiment.outputs[output];
+            let read = of_columns(own().map(|c| (c.time, c.read.as_slice())), channel.is_temperature())?;
+            let left = of_columns(own().map(|c| (c.time, c.left.as_slice())), channel.is_temperature())?;
+            let is_stated = is_stated(self.experiment, channel);
             let before = if is_stated { read } else { told[inputs + output] };
             (0.0 < left && left < NEARLY * read).then(|| left / read * before)
         };

@@ -153,22 +153,26 @@ pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
             let columns =
                 experiment.runs.iter().map(|r| (r.table.time.as_slice(), r.table.columns[n].as_slice()));
             let least = least(experiment, n, channel);
-            of_columns(columns).unwrap_or(least).max(least)
+            of_columns(columns, channel.is_temperature()).unwrap_or(least).max(least)
         })
         .collect()
 }
 
-/// Noise of an instrument in several runs, from columns with their times: the lower median of [`of_column`] where it is not 0, or 0 if it is
-/// 0 in most. Of two values in the middle the lower one, because a load that changes from row to row only increases (2); at rest some
-/// channels have no noise. Not the least: noise may differ between runs, for example in moving air.
-pub fn of_columns<'a>(columns: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> Option<f64> {
+/// Noise of a channel in several runs, from columns with their times: of a temperature the median of [`of_column`], because its noise may
+/// differ between runs, for example in moving air. Of other channels, which a load may change from row to row, the lower quartile of the
+/// values that are not 0 (0 if most are): such a load only increases (2), and at rest some channels have no noise.
+pub fn of_columns<'a>(
+    columns: impl Iterator<Item = (&'a [f64], &'a [f64])>,
+    is_temperature: bool,
+) -> Option<f64> {
     let mut all: Vec<f64> = columns.filter_map(|(time, column)| of_column(time, column)).collect();
     all.sort_by(f64::total_cmp);
-    if *all.get(all.len() / 2)? == 0.0 {
-        return Some(0.0);
+    let median = *all.get(all.len() / 2)?;
+    if is_temperature || median == 0.0 {
+        return Some(median);
     }
     all.retain(|sigma| *sigma > 0.0);
-    all.get((all.len() - 1) / 2).copied()
+    all.get((all.len() - 1) / 4).copied()
 }
 
 #[cfg(test)]
@@ -199,12 +203,15 @@ mod tests {
             (0..800).map(|k| swing * f64::from(k % 7) + sigma * normal(&mut rng)).collect()
         };
         let columns = [run(5.0, 0.1), run(0.0, 0.1), run(9.0, 0.1), run(0.0, 0.1), run(0.0, 0.0)];
-        let of = |which: &[usize]| of_columns(which.iter().map(|k| (&time[..], &columns[*k][..]))).unwrap();
-        for which in [&[0, 1, 2, 3][..], &[0, 1], &[1, 3, 4, 0]] {
-            assert!((of(which) / 0.1 - 1.0).abs() < 0.1, "{which:?}: {}", of(which));
+        let of = |which: &[usize], is_temperature| {
+            of_columns(which.iter().map(|k| (&time[..], &columns[*k][..])), is_temperature).unwrap()
+        };
+        for which in [&[0, 1, 2, 3][..], &[0, 1], &[0, 1, 3, 4]] {
+            assert!((of(which, false) / 0.1 - 1.0).abs() < 0.1, "{which:?}: {}", of(which, false));
         }
-        assert!(of(&[0, 2]) > 1.0 && of(&[4, 4, 0]) == 0.0);
-        assert_eq!(of_columns(std::iter::empty()), None);
+        assert!(of(&[0, 2], false) > 1.0 && of(&[4, 4, 0], false) == 0.0);
+        assert!(of(&[0, 1, 2], true) > 1.0 && of(&[1, 3, 4], true) == of(&[1, 3], false));
+        assert_eq!(of_columns(std::iter::empty(), false), None);
     }
 
     /// Every fifth row measured, and every fifth row new: the noise is that of the readings.

@@ -242,7 +242,7 @@ fn estimated(
     }
     let own = judge.runs.iter().map(|run| &experiment.runs[*run].table);
     let own = own.map(|table| (table.time.as_slice(), table.columns[places.current].as_slice()));
-    let noise = noise::of_columns(own).unwrap_or(0.0);
+    let noise = noise::of_columns(own, false).unwrap_or(0.0);
     let size = (rows.iter().map(|(_, known)| known[0].powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
     let least = (product * noise / size.max(ROUNDING)).max(ROUNDING);
     let clear = rows.iter().map(|(_, known)| known[1].abs()).filter(|v| v * SMALL > least);
