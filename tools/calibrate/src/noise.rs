@@ -200,7 +200,7 @@ mod tests {
         let mut rng = rng(11);
         let time: Vec<f64> = (0..800).map(|k| 2.0 * f64::from(k)).collect();
         let mut run = |swing: f64, sigma: f64| -> Vec<f64> {
-            (0..800).map(|k| swing * f64::from(k % 7) + sigma * normal(&mut rng)).collect()
+            (0..800).map(|k| swing * f64::from(k % 2) + sigma * normal(&mut rng)).collect()
         };
         let columns = [run(5.0, 0.1), run(0.0, 0.1), run(9.0, 0.1), run(0.0, 0.1), run(0.0, 0.0)];
         let of = |which: &[usize], is_temperature| {
