@@ -230,6 +230,7 @@ impl Network<'_> {
     }
 
     /// The heat paths with ambient at `ambient`, K.
+    // Inlined, so that derivatives are computed only where they are used.
     #[inline(always)]
     pub fn paths(&self, ambient: f64, temperature: &Temperatures) -> impl IntoIterator<Item = Path> {
         let Network { thermal, effects, to_box } = *self;
