@@ -36,9 +36,9 @@ macro_rules! nodes {
             }
             /// the gear
             GEAR gear_temperature {
+                optional C_g "thermal.C_g" part_of HOUSING " the housing",
                 output 59, state "state.gear_temperature" 712, rate 0.1, initial 6,
-                near "housing_temperature" "winding_temperature" "box_temperature",
-                optional C_g "thermal.C_g" part_of HOUSING " the housing"
+                near "housing_temperature" "winding_temperature" "box_temperature"
             }
         }
     };
@@ -47,8 +47,9 @@ pub(super) use nodes;
 
 macro_rules! declare_nodes {
     ($(#[doc = $of:literal] $node:ident $name:ident {
+        $(optional $capacity:ident $switch:literal part_of $whole:ident $of_whole:literal,)?
         output $output:literal, state $state:literal $reference:literal, rate $rate:literal, initial $initial:literal,
-        near $($near:literal)* $(, optional $capacity:ident $switch:literal part_of $whole:ident $of_whole:literal)?
+        near $($near:literal)*
     })*) => {
         #[allow(clippy::upper_case_acronyms)]
         enum Index { $($node),* }

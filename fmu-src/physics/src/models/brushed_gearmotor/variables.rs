@@ -21,8 +21,8 @@ variables! {
 
 macro_rules! outputs {
     ($(#[doc = $of:literal] $node:ident $name:ident {
-        output $output:literal, state $state:literal $reference:literal, rate $rate:literal, initial $initial:literal,
-        near $($near:literal)* $(, optional $capacity:ident $switch:literal part_of $whole:ident $of_whole:literal)?
+        $(optional $capacity:ident $switch:literal part_of $whole:ident $of_whole:literal,)?
+        output $output:literal, $($rest:tt)*
     })*) => {
         variables! {
             /// What the model computes. Voltages, currents and powers are means over a switching cycle.
