@@ -6,7 +6,7 @@ use crate::blackbox::black_boxes;
 use crate::close_loop::Judgement;
 use crate::comparison::{self, with_unit};
 use crate::deadline::Deadline;
-use crate::experiment::{Channel, Experiment, Role};
+use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
 use crate::instruments;
 use crate::levels::{AT_NOISE, DECISIVE, PART, STRUCTURE, SURE};
@@ -167,7 +167,11 @@ pub fn outcome(
         }
     }
     notes.extend(disagreement(setup, &errors));
-    notes.extend(of_odd_file(experiment, &hypothesis, &errors));
+    if let Some(odd) = &experiment.odd_file
+        && describes_all_runs(&hypothesis, &errors)
+    {
+        notes.retain(|note| *note != odd.note);
+    }
     notes.extend(comparison::notes(&errors, &boxes, judged.verdict));
     let added =
         hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped).map(move |n| (a, n)));
@@ -223,12 +227,10 @@ pub fn outcome(
     })
 }
 
-/// What is said of the file that disagrees with the others, unless effects that act in all runs describe it like them.
-fn of_odd_file(experiment: &Experiment, found: &Hypothesis, errors: &[ChannelError]) -> Option<String> {
-    let odd = experiment.odd_file.as_ref()?;
-    let is_open = errors.iter().any(|e| e.role != Role::Test && e.unexplained().is_some());
-    let is_of_some_runs = found.additions.iter().any(|a| a.active.iter().any(|on| !on));
-    (is_open || is_of_some_runs).then(|| odd.note.clone())
+/// Whether the final model describes all fit and validation runs with effects that act in each of them: then no file disagrees with the others.
+fn describes_all_runs(found: &Hypothesis, errors: &[ChannelError]) -> bool {
+    errors.iter().all(|e| e.role == Role::Test || e.unexplained().is_none())
+        && found.additions.iter().all(|a| a.active.iter().all(|on| *on))
 }
 
 /// One sentence about the disagreement between runs, if it is counted as noise.

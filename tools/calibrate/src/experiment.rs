@@ -196,7 +196,7 @@ impl Place<'_> {
 pub struct OddFile {
     /// Its name.
     pub name: String,
-    /// What the report says of it unless the final model describes all runs.
+    /// The warning that names it, dropped if the final model describes all runs.
     pub note: String,
 }
 

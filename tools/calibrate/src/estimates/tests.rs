@@ -1,7 +1,6 @@
 //! Intervals of the estimates, and what is said of a file that disagrees.
 
 use super::*;
-use crate::experiment::OddFile;
 use crate::hypothesis::Addition;
 use crate::outcome::Follows;
 use crate::testing;
@@ -34,7 +33,6 @@ fn intervals_end_at_limits_and_follow_the_profile_there() {
 /// A file that disagrees with the parameters of the others is not reported if the final model describes it with effects of all runs.
 #[test]
 fn an_odd_file_is_reported_unless_an_effect_of_all_runs_describes_it() {
-    let mut experiment = testing::experiment(testing::PRIORS, true);
     let errors = |role, after| {
         let prediction = Prediction { half_width: 2.0, inside: 0.95 };
         let column = "voltage_V";
@@ -44,16 +42,9 @@ fn an_odd_file_is_reported_unless_an_effect_of_all_runs_describes_it() {
     let of_all = testing::law(Port::DragTorque, Follows::Driver(Driver::Speed));
     let of_none = Addition { active: vec![false], ..of_all.clone() };
     let found = |addition: &Addition| Hypothesis { declared: Vec::new(), additions: vec![addition.clone()] };
-    let is_said = |experiment: &Experiment, addition: &Addition, role, after| {
-        of_odd_file(experiment, &found(addition), &errors(role, after)).is_some()
-    };
-    assert!(!is_said(&experiment, &of_none, Role::Fit, 4.0));
-    experiment.odd_file = Some(OddFile { name: "b.csv".into(), note: "b.csv disagrees".into() });
-    assert!(
-        is_said(&experiment, &of_all, Role::Fit, 4.0) && is_said(&experiment, &of_all, Role::Validate, 4.0)
-    );
-    assert!(
-        !is_said(&experiment, &of_all, Role::Fit, 1.01) && !is_said(&experiment, &of_all, Role::Test, 4.0)
-    );
-    assert!(is_said(&experiment, &of_none, Role::Fit, 1.01));
+    let is_said =
+        |addition: &Addition, role, after| !describes_all_runs(&found(addition), &errors(role, after));
+    assert!(is_said(&of_all, Role::Fit, 4.0) && is_said(&of_all, Role::Validate, 4.0));
+    assert!(!is_said(&of_all, Role::Fit, 1.01) && !is_said(&of_all, Role::Test, 4.0));
+    assert!(is_said(&of_none, Role::Fit, 1.01));
 }

@@ -42,6 +42,7 @@ pub fn check(
              channels is wrong, or it is of another motor",
             digits(ratio)
         );
+        experiment.notes.push(note.clone());
         experiment.odd_file = Some(OddFile { name, note });
     }
     Ok(unusable)
@@ -113,6 +114,7 @@ mod tests {
         let mut experiment = three(1, CURRENT, |_, x| 1.2 * x + 0.3);
         assert_eq!(odd(&experiment), Some(1));
         check(&mut experiment, &[], &Deadline::default()).unwrap();
+        assert!(experiment.notes.iter().any(|n| n.starts_with("b.csv disagrees")), "{:?}", experiment.notes);
         let OddFile { name, note } = experiment.odd_file.unwrap();
         assert!(name == "b.csv" && note.starts_with("b.csv disagrees"), "{note}");
     }
