@@ -22,7 +22,7 @@ use crate::hypothesis::Hypothesis;
 use crate::levels::{CERTAIN, NEARLY, NEGLIGIBLE};
 use crate::noise::{self, is_new_in_every_row, is_stated, least, of_columns};
 use crate::setup::Setup;
-use crate::simulate::smoothed;
+use crate::smoothing::smoothed;
 use crate::tangent::Probe;
 use std::sync::Arc;
 

@@ -62,6 +62,7 @@ pub mod selection;
 pub mod separate;
 pub mod setup;
 pub mod simulate;
+mod smoothing;
 mod strain;
 pub mod tangent;
 #[cfg(test)]

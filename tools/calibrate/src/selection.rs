@@ -10,6 +10,7 @@
 
 mod companion;
 mod gate;
+mod instead;
 mod known;
 mod preference;
 #[cfg(test)]
@@ -27,6 +28,7 @@ use crate::setup::{BLOCKS, Setup};
 pub use companion::{beside, companion};
 use gate::{Judged, gate, implausible};
 pub use gate::{asked, predicts_where_it_acts};
+use instead::listed_instead;
 pub use known::Known;
 use preference::{
     best_prediction_first, is_element_of, is_part, law_elsewhere, listed_first, one_driver_first,
@@ -301,22 +303,13 @@ pub fn compete<'a>(
 ) -> Round<'a> {
     let (mut round, is_out) = among(point, start, scored, known);
     if is_out {
-        let is_fitted = |s: &&Scored| {
-            let failed = round.failed.iter().map(|(scored, _)| &scored.name);
-            round
-                .candidates
-                .iter()
-                .map(|c| &c.name)
-                .chain(failed)
-                .any(|name| variants(name) == variants(&s.name))
-        };
-        let rest: Vec<Scored> = scored.iter().filter(|s| !is_fitted(s)).cloned().collect();
+        let rest: Vec<Scored> = scored.iter().filter(|s| !round.has_tried(s)).cloned().collect();
         let (second, _) = among(point, start, &rest, known);
         let first = std::mem::replace(&mut round, second);
         round.candidates.extend(first.candidates);
         round.failed.extend(first.failed);
     }
-    round
+    listed_instead(point, start, scored, known, round)
 }
 
 /// The same among these alone; and whether the best one explains enough, but is no physical explanation.

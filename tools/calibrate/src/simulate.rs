@@ -7,8 +7,8 @@ use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role, Run, Start};
 use crate::initial::{self, Started, Warm};
-use crate::levels::CERTAIN;
 use crate::overrides::Override;
+use crate::smoothing;
 use physics::model::{Declaration, Model, ModelType, Slot};
 use std::sync::Arc;
 
@@ -45,10 +45,6 @@ pub struct Drive {
     pub warm: Vec<Warm>,
 }
 
-/// Rows on either side over which an input is smoothed. Numerical: the mean of 13 readings has a quarter of their noise.
-const REACH: usize = 6;
-/// Rows on either side for the second average. Numerical: the mean of 97 readings has a tenth of their noise.
-const FAR: usize = 48;
 /// Parameters with limits that end a run; the lowest temperature is a lower limit.
 const VALIDITY: &str = "validity.";
 const LOWEST: &str = "validity.lowest_temperature";
@@ -346,15 +342,9 @@ impl Drive {
         &self.inputs
     }
 
-    /// Copy of the run with smoothed inputs (`noise`: standard deviations, in their order). Each reading is replaced by the mean of
-    /// neighbouring readings that agree with it to within noise, so that steps are preserved. Where these means are constant they are
-    /// averaged again over a longer window; otherwise noise would dominate at standstill.
+    /// Copy of the run with [smoothed](smoothing::input) inputs (`noise`: standard deviations, in their order).
     pub fn smoothed(&self, noise: &[f64]) -> Drive {
-        let smooth = |(column, sigma): (&Vec<f64>, &f64)| -> Vec<f64> {
-            let once = smoothed(column, *sigma);
-            let left = sigma / ((2 * REACH + 1) as f64).sqrt();
-            means_of_alike(&once, FAR, CERTAIN * left)
-        };
+        let smooth = |(column, sigma): (&Vec<f64>, &f64)| smoothing::input(column, *sigma);
         self.with_inputs(self.inputs.iter().zip(noise).map(smooth).collect())
     }
 
@@ -369,26 +359,6 @@ impl Drive {
             model.set(*slot, input[row]);
         }
     }
-}
-
-/// Means of neighbouring values that agree to within noise of this deviation.
-pub fn smoothed(column: &[f64], sigma: f64) -> Vec<f64> {
-    means_of_alike(column, REACH, CERTAIN * sigma)
-}
-
-/// Means over each value and its neighbours up to `reach` rows away, as long as these and all values between differ by less than `size`.
-/// The window is symmetric, so that a ramp is not shifted.
-fn means_of_alike(column: &[f64], reach: usize, size: f64) -> Vec<f64> {
-    let mean = |row: usize| {
-        let alike = |k: usize| (column[k] - column[row]).abs() <= size;
-        let before = (1..=reach.min(row)).take_while(|k| alike(row - k)).count();
-        let after = (1..=reach.min(column.len() - 1 - row)).take_while(|k| alike(row + k)).count();
-        let both = before.min(after);
-        let (from, to) = if both > 0 { (both, both) } else { (before, after) };
-        let near = &column[row - from..=row + to];
-        near.iter().sum::<f64>() / near.len() as f64
-    };
-    (0..column.len()).map(mean).collect()
 }
 
 /// Column with blanks interpolated linearly and held constant at the ends; `None` if all values are blank.

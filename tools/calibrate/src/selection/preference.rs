@@ -47,13 +47,18 @@ pub fn listed_first(candidates: &[Candidate], order: &mut [usize]) {
     let Some(best) = order.first().map(|k| &candidates[*k]).filter(|c| !c.addition().is_listed()) else {
         return;
     };
-    let is_as_good = |k: &usize| {
+    let is_instead = |k: &usize| {
         let own = &candidates[*k];
-        own.addition().is_listed() && own.sure() > best.sure() - ALIKE && density(own) > density(best) - NEAR
+        own.addition().is_listed() && is_as_good(own, best)
     };
-    if let Some(first) = order.iter().position(is_as_good) {
+    if let Some(first) = order.iter().position(is_instead) {
         precede(order, first, 0);
     }
+}
+
+/// Whether a candidate cannot be distinguished from a better one, by all runs and by the validation runs.
+pub fn is_as_good(own: &Candidate, best: &Candidate) -> bool {
+    own.sure() > best.sure() - ALIKE && density(own) > density(best) - ALIKE
 }
 
 /// Moves the `k`-th of an order before the one at `place`, which is not behind it.
@@ -251,7 +256,7 @@ mod tests {
         assert_eq!(ordered(727.0, 193.0), [1, 2, 0]);
         // It explains less, or predicts worse.
         assert_eq!(ordered(718.0 - ALIKE, 193.0), [2, 0, 1]);
-        assert_eq!(ordered(727.0, 194.0 - NEAR), [2, 0, 1]);
+        assert_eq!(ordered(727.0, 194.0 - ALIKE), [2, 0, 1]);
         listed_first(&[], &mut []);
     }
 

@@ -126,3 +126,30 @@ fn a_preferred_candidate_does_not_explain_most() {
     assert!(reason(None).starts_with("is preferred to candidates with more evidence"), "{}", reason(None));
     assert!(reason(Some("is at a limit".to_string())).starts_with("has the largest evidence"));
 }
+
+/// A listed effect that explains little to first order, and is therefore not among the candidates, is fitted when a law at its port wins.
+#[test]
+fn a_law_gives_way_to_a_listed_effect_that_was_not_fitted() {
+    use crate::testing::{OUTPUTS, PRIORS, driven_by};
+    let mut experiment = driven_by(("current_A", 1.0, 190.0), &OUTPUTS, PRIORS, true);
+    crate::testing::read_of(&mut experiment, |setup| {
+        let additions = vec![crate::testing::addition(setup, "windage", 3e-8)];
+        setup.change(&Hypothesis { additions, ..setup.preset() }, 0)
+    });
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let point = Linearization::new(&setup, setup.refit(&[0]).unwrap(), &[0]).unwrap();
+    let winner = |least: f64| {
+        let mut scored = crate::search::search(&point);
+        scored.retain(|s| s.port == Port::DragTorque);
+        for own in scored.iter_mut().filter(|s| s.listed) {
+            (own.evidence, own.raw) = (least, least);
+        }
+        let round = compete(&point, &point.fitted.hypothesis, &scored, &Known::default());
+        let winner = round.winner().unwrap();
+        assert!(round.candidate_table(1).iter().filter(|row| row.accepted).count() == 1);
+        winner.name.clone()
+    };
+    assert_eq!(winner(2.0 * LEAST), "windage");
+    // Below the least evidence nothing is fitted.
+    assert!(winner(0.5 * LEAST).starts_with("drag_torque"), "{}", winner(0.5 * LEAST));
+}
