@@ -1,7 +1,7 @@
 //! A listed effect in place of a law that was accepted.
 
 use super::preference::is_as_good;
-use super::{Known, Round, alike, candidates, release};
+use super::{Candidate, Known, Round, alike, candidates, release};
 use crate::hypothesis::Hypothesis;
 use crate::linearization::Linearization;
 use crate::search::{Scored, variants};
@@ -26,12 +26,16 @@ pub fn listed_instead<'a>(
     mut round: Round<'a>,
 ) -> Round<'a> {
     let Some(law) = round.winner().filter(|c| !c.addition().is_listed()) else { return round };
+    let is_name = |c: &Candidate| c.refused.is_none() && c.addition().is_listed() && is_as_good(c, law);
+    // The law says that the data do not distinguish effects of different ports.
+    if round.candidates.iter().any(is_name) {
+        return round;
+    }
     let port = law.addition().port;
     let is_left = |s: &&Scored| s.listed && s.port == port && !round.has_tried(s);
     let left: Vec<Scored> = scored.iter().filter(is_left).cloned().collect();
     let mut more = candidates(point, start, &left, known);
-    let is_instead =
-        |own: &mut super::Candidate| own.refused.is_none() && is_as_good(own, law) && own.judge(point);
+    let is_instead = |own: &mut Candidate| own.refused.is_none() && is_as_good(own, law) && own.judge(point);
     let taken = more.candidates.iter_mut().position(is_instead);
     let others = taken.map_or_else(Vec::new, |k| alike(point, &more.candidates, k));
     release(&mut more.candidates, &[taken]);
