@@ -10,7 +10,7 @@ use crate::levels::{CALIBRATED, CERTAIN, NEGLIGIBLE, SURE};
 const REACH: usize = 6;
 /// Rows on either side for the second average. Numerical: the mean of 97 readings has a tenth of their noise.
 const FAR: usize = 48;
-/// Readings of one mean.
+/// Readings of one mean. Definition: a reading and those on either side.
 const WINDOW: usize = 2 * REACH + 1;
 
 /// An input without its noise: each reading is replaced by the mean of neighbouring readings that agree with it to within noise of the
