@@ -37,17 +37,13 @@ fn of_mean(sigma: f64) -> f64 {
 /// What an instrument reads at rest, and the rows at rest: stretches in which the means `once` are constant at a value that is zero to within
 /// the usual error of an instrument's zero. `None` if there are too few for a mean whose noise is negligible.
 fn rest(column: &[f64], once: &[f64], sigma: f64) -> Option<(f64, Vec<bool>)> {
-    let usual = SURE * CALIBRATED * sigma;
-    let mut rests = in_stretches(once, |mean| mean.abs() <= usual + CERTAIN * of_mean(sigma));
-    let own = || column.iter().zip(&rests).filter(|(_, rests)| **rests).map(|(x, _)| x);
+    let (usual, scatter) = (SURE * CALIBRATED * sigma, CERTAIN * of_mean(sigma));
+    let near = in_stretches(once, |mean| mean.abs() <= usual + scatter);
+    let own = || column.iter().zip(&near).filter(|(_, near)| **near).map(|(x, _)| x);
     let count = own().count() as f64;
     let zero = own().sum::<f64>() / count;
-    if sigma <= 0.0 || count < NEGLIGIBLE.powi(-2) || zero.abs() > usual {
-        return None;
-    }
-    let constant = in_stretches(once, |mean| (mean - zero).abs() <= CERTAIN * of_mean(sigma));
-    rests.iter_mut().zip(constant).for_each(|(rests, constant)| *rests &= constant);
-    Some((zero, rests))
+    let is_known = sigma > 0.0 && count >= NEGLIGIBLE.powi(-2) && zero.abs() <= usual;
+    is_known.then(|| (zero, in_stretches(once, |mean| (mean - zero).abs() <= scatter)))
 }
 
 /// The values of which at least [`WINDOW`] in succession fulfil a condition.
@@ -79,7 +75,7 @@ mod tests {
 
     const SIGMA: f64 = 0.01;
 
-    /// Readings of a signal with noise, and what is left of noise and zero after smoothing: its mean at rest and under load.
+    /// The smoothed readings of a signal with noise and a zero, and the signal.
     fn read(zero: f64, signal: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<f64>) {
         let mut rng = rng(5);
         let truth: Vec<f64> = (0..1000).map(signal).collect();
