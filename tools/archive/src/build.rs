@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub use terms::load::{FILE_NAME as LOAD_FILE, LoadFile};
 pub use terms::{FILE_NAME as EFFECTS_FILE, TermText, TermsError, TermsFile, of_resources};
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 /// Sources and licences of the gait data in the library.
 const GAIT_DATA: &str = concat!(
@@ -102,7 +102,8 @@ pub fn build_all(
     }
     let given = contents.preset.and_then(|p| p.experiment);
     let (starts, experiment) = describe::experiment::of(kind, &starts, &resources, given);
-    let binaries = libraries.iter().map(|library| binary(library, &starts)).collect::<Result<Vec<_>, _>>()?;
+    let binaries =
+        libraries.par_iter().map(|library| binary(library, &starts)).collect::<Result<Vec<_>, _>>()?;
     let (found, common) = rayon::join(
         || Dependencies::of(kind, &resources, &starts),
         || common(&Native { kind, starts: &starts, resources: &resources }, contents),
@@ -152,7 +153,7 @@ fn select_table(kind: &ModelType, starts: &mut StartValues) {
     }
 }
 
-/// A library with the start values in it, for its platform and no other.
+/// A library with the start values in it, for its platform and no other. It is compressed here, once for the archives of all standards.
 fn binary(library: &Library, starts: &StartValues) -> Result<(Platform, Vec<u8>), BuildError> {
     let (path, platform) = (library.path.display(), library.platform.tuple);
     let mut binary = fs::read(&library.path).map_err(|error| BuildError::library(&library.path, &error))?;
@@ -166,18 +167,26 @@ fn binary(library: &Library, starts: &StartValues) -> Result<(Platform, Vec<u8>)
     }
     start_values::patch(&mut binary, &starts.entries())
         .map_err(|error| BuildError(format!("the FMU library {path} does not fit this tool: {error}")))?;
-    Ok((library.platform, binary))
+    let alone = [File { name: String::new(), content: Content::Executable(&binary) }];
+    let compressed = pack(&alone).map_err(|e| BuildError(format!("the library {path} cannot be packed: {e}")))?;
+    Ok((library.platform, compressed))
 }
 
 /// A file of the archive.
-struct File {
+struct File<'a> {
     name: String,
-    bytes: Vec<u8>,
-    executable: bool,
+    content: Content<'a>,
 }
 
-fn file(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> File {
-    File { name: name.into(), bytes: bytes.into(), executable: false }
+enum Content<'a> {
+    Plain(Vec<u8>),
+    Executable(&'a [u8]),
+    /// The only file of another archive.
+    Packed(&'a [u8]),
+}
+
+fn file<'a>(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> File<'a> {
+    File { name: name.into(), content: Content::Plain(bytes.into()) }
 }
 
 /// Common content of the archives of both standards.
@@ -207,15 +216,15 @@ fn common(native: &Native<'_>, contents: Contents<'_>) -> Vec<(String, Vec<u8>)>
     files
 }
 
-fn entries(
+fn entries<'a>(
     kind: &ModelType,
     standard: Standard,
     starts: &StartValues,
     found: &Dependencies,
     experiment: Experiment,
-    binaries: &[(Platform, Vec<u8>)],
+    binaries: &'a [(Platform, Vec<u8>)],
     common: &[(String, Vec<u8>)],
-) -> Vec<File> {
+) -> Vec<File<'a>> {
     let declaration = (kind.declaration)();
     let name = declaration.name;
     let description = match standard {
@@ -224,10 +233,10 @@ fn entries(
     };
     let licenses = "documentation/licenses";
     let mut files = vec![file("modelDescription.xml", description)];
-    for (platform, bytes) in binaries {
+    for (platform, packed) in binaries {
         let folder = if standard == Standard::Fmi2 { platform.fmi2 } else { platform.tuple };
         let name = format!("binaries/{folder}/{name}.{}", platform.ending);
-        files.push(File { name, bytes: bytes.clone(), executable: true });
+        files.push(File { name, content: Content::Packed(packed) });
     }
     files.push(file(format!("{licenses}/license.txt"), include_str!("../../../LICENSE")));
     files.push(file(format!("{licenses}/third-party.txt"), THIRD_PARTY));
@@ -250,13 +259,22 @@ fn entries(
 fn pack(files: &[File]) -> io::Result<Vec<u8>> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for file in files {
+        let (bytes, permissions) = match &file.content {
+            Content::Plain(bytes) => (bytes.as_slice(), 0o644),
+            Content::Executable(bytes) => (*bytes, 0o755),
+            Content::Packed(archive) => {
+                let mut archive = ZipArchive::new(Cursor::new(*archive))?;
+                zip.raw_copy_file_rename(archive.by_index_raw(0)?, file.name.as_str())?;
+                continue;
+            }
+        };
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .compression_level(Some(6))
             .last_modified_time(DateTime::default())
-            .unix_permissions(if file.executable { 0o755 } else { 0o644 });
+            .unix_permissions(permissions);
         zip.start_file(file.name.as_str(), options)?;
-        zip.write_all(&file.bytes)?;
+        zip.write_all(bytes)?;
     }
     Ok(zip.finish()?.into_inner())
 }

@@ -31,6 +31,20 @@ fn product_of(
     transposed * b
 }
 
+/// a'a, of which the first rows and columns are `known`. Only blocks on and above the diagonal are multiplied.
+pub fn squares(a: &DMatrix<f64>, known: &DMatrix<f64>) -> DMatrix<f64> {
+    let (n, first) = (a.ncols(), known.ncols());
+    let mut all = known.clone().resize(n, n, 0.0);
+    for from in (first..n).step_by(BLOCK) {
+        let to = n.min(from + BLOCK);
+        let above = &a.as_slice()[..a.nrows() * to];
+        let own = product_of(above, (a.nrows(), to), &a.columns_range(from..to));
+        all.view_range_mut(..to, from..to).copy_from(&own);
+    }
+    all.fill_lower_triangle_with_upper_triangle();
+    all
+}
+
 /// a'a of each group of `width` columns.
 pub fn squares_of_groups(a: &DMatrix<f64>, width: usize) -> Vec<DMatrix<f64>> {
     let (rows, values) = (a.nrows(), a.nrows() * width);
@@ -92,6 +106,10 @@ mod tests {
         let z = DMatrix::from_fn(150, 2 * BLOCK + 7, |_, _| normal(&mut rng));
         let square = product(&z, &z);
         assert!((&square - z.tr_mul(&z)).norm() < 1e-12 * square.norm());
+        for known in [0, 1, BLOCK + 3] {
+            let known = square.view((0, 0), (known, known)).into_owned();
+            assert!((squares(&z, &known) - &square).norm() < 1e-12 * square.norm());
+        }
         let (own, whole) = (cholesky(square.clone()).unwrap(), square.clone().cholesky().unwrap());
         assert!((own.l() - whole.l()).norm() < 1e-9 * whole.l().norm());
         assert!(

@@ -22,7 +22,7 @@ mod prior;
 #[cfg(test)]
 mod tests;
 
-use crate::algebra::{cholesky, product, solve_lower};
+use crate::algebra::{cholesky, solve_lower, squares};
 use crate::levels::NEGLIGIBLE;
 use crate::selection::NEAR;
 use drift::Drift;
@@ -471,14 +471,6 @@ fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     z.columns_mut(0, a.ncols()).copy_from(a);
     z.columns_mut(a.ncols(), b.ncols()).copy_from(b);
     z
-}
-
-/// Z'Z; `known` are its first rows and columns.
-fn squares(z: &DMatrix<f64>, known: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut all = known.clone().resize(z.ncols(), z.ncols(), 0.0);
-    all.columns_range_mut(known.ncols()..).copy_from(&product(z, &z.columns_range(known.ncols()..)));
-    all.fill_lower_triangle_with_upper_triangle();
-    all
 }
 
 fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {

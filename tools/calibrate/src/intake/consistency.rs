@@ -46,7 +46,7 @@ mod tests;
 mod unmeasured;
 pub mod wrapped;
 
-use super::{Predicted, Unusable, sorted};
+use super::{Predicted, Unusable};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Run, Start};
@@ -128,8 +128,10 @@ impl<'a> Judge<'a> {
                 shape(&rows, super::median(off))
             } else {
                 let size = |pick: &dyn Fn(&(f64, f64)) -> f64| {
-                    let all = sorted(rows.iter().map(|row| pick(row).powi(2)));
-                    let kept = &all[..(all.len() * 9).div_ceil(10)];
+                    let mut all: Vec<f64> = rows.iter().map(|row| pick(row).powi(2)).collect();
+                    let last = (all.len() * 9).div_ceil(10) - 1;
+                    all.select_nth_unstable_by(last, f64::total_cmp);
+                    let kept = &all[..=last];
                     (kept.iter().sum::<f64>() / kept.len() as f64).sqrt()
                 };
                 let whole = size(&|(y, _)| *y).max(size(&|(_, p)| *p)).max(ROUNDING);
