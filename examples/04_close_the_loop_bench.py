@@ -213,18 +213,20 @@ def beside_words(answer: dict) -> str:
     return f"""Further measurements that the fit does not use: After an electrical energy of {SPENT_KJ:.0f} kJ the temperature of the motor
         controller has increased by {still[0]:.0f} and {still[1]:.0f} K in still air (runs 3 and 5) and by {repeats[str(FAN)]:.0f} K in the
         run with the fan. {drive}. The scatter between successive readings, relative to that in still air, is {ratio["body"]:.1f} at the
-        body and {ratio["winding"]:.1f} at the winding: {where}. At the end of run 12, in which two thermocouples were on the winding,
-        the temperature rise of the second is {100 * seen["second_thermocouple_fraction"]:.0f} % of that of the first ([the rises after
+        body and {ratio["winding"]:.1f} at the winding: {where}. Run 12 is a run of this motor that is not fitted here; two thermocouples were on the winding. At its
+        end the temperature rise of the second is {100 * seen["second_thermocouple_fraction"]:.0f} % of that of the first ([the rises after
         20 kJ](bench-splits.md#measured-temperature-rises) have another ratio)."""
 
 
 def separating_words(answer: dict) -> str:
     """The measurement that separates less heat from a cooled thermocouple."""
     seen, truly = answer["outside_the_fit"], answer["outside_the_fit"]["winding_truly"]
+    loss = 100.0 * answer["still_air"]["parameters"]["effect.winding_sensor_stem_loss.k"]
+    reads = "less" if loss > 0.0 else "more"
     return f"""A measurement of the winding resistance immediately after switching off would distinguish less heat in the winding from a cooled
         thermocouple. At the end of run 4 the thermocouple indicates {seen["winding_reads_at_the_end_degC"]:.0f} °C. With less heat the
-        temperature of the copper is {truly["less_heat_degC"]:.0f} °C; with a cooled thermocouple it is
-        {truly["cooled_thermocouple_degC"]:.0f} °C, and the resistance is {100 * (truly["resistance_ratio"] - 1):.0f} % higher. Alternatively,
+        temperature of the copper is {truly["less_heat_degC"]:.0f} °C: also in still air the thermocouple indicates {abs(loss):.0f} % {reads}
+        than the temperature rise of the copper. With a cooled thermocouple it is {truly["cooled_thermocouple_degC"]:.0f} °C, and the resistance is {100 * (truly["resistance_ratio"] - 1):.0f} % higher. Alternatively,
         switch off the fan and the power at the same time: the temperature that a cooled thermocouple indicates then increases."""
 
 
@@ -247,6 +249,7 @@ def page(answer: dict) -> str:
         Before: the model calibrated in still air. Refit: its parameters fitted again, no effect added. After: the model with the effects
         that `motor-fmu close-loop` identified. Verdict: {fan["verdict"]} ([meaning](close-the-loop.md#verdicts))."""),
         table(fan["test_K"]),
+        *([fill('Effects that were identified ("range": largest change of the predicted quantity in the run):')] if fan["effects"] else []),
         *map(effect_words, fan["effects"]),
         fill(f"""The goal is an error of at most {100 * GOAL_SHARE:.0f} % of the error before and at most {GOAL_K:.0f} K in both channels. It is
         {goal}."""),

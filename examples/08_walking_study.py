@@ -270,7 +270,7 @@ def best_designs(answer: dict) -> str:
     text += f" With the best stiffness the springs deflect by {low:.2f} to {high:.2f} rad at the peak torque."
     infeasible = {name: [p for p in d["points"] if p["infeasible"]] for name, d in designs.items()}
     counts = [f"{name} {len(points)} of {len(designs[name]['points'])}" for name, points in infeasible.items() if points]
-    text += f" Infeasible designs on level ground: {listed(counts)}." if counts else " Every design of the grid is feasible on level ground."
+    text += f" Designs without a continuous support on level ground (infeasible): {listed(counts)}." if counts else " Every design of the grid has a continuous support on level ground."
     return text
 
 
@@ -298,10 +298,15 @@ def front_sentence(answer: dict) -> str:
     members = answer["pareto_front"]
     others = [name for name in answer["designs"] if name not in members]
     text = f"These arrangements are on the Pareto front of continuous torque over mass: {listed(members)}."
-    heavier = [
-        f"{name} is heavier and gives {answer['designs'][name]['best']['continuous_torque_Nm']:.0f} N.m" for name in others
-    ]
-    return text + (f" Not on it: {listed(heavier)}." if heavier else "")
+    torque = lambda name: answer["designs"][name]["best"]["continuous_torque_Nm"]  # noqa: E731
+    mass = lambda name: answer["designs"][name]["mass_kg"]  # noqa: E731
+
+    def better(name: str) -> str:
+        """The arrangement of the front with the largest torque among those that are not heavier."""
+        return max((one for one in members if mass(one) <= mass(name)), key=torque)
+
+    worse = [f"{name} ({torque(name):.0f} N.m; {better(name)}, which is lighter: {torque(better(name)):.0f} N.m)" for name in others]
+    return text + (f" Not on it: {listed(worse)}." if worse else "")
 
 
 def markdown(answer: dict) -> str:

@@ -126,7 +126,8 @@ def page(answer: dict) -> str:
         each run is the test run of one split."""),
         "## Measured temperature rises",
         fill(f"""Temperature rise in K after {ENERGY_KJ:.0f} kJ of electrical energy. The housing is then only {least:.0f} to {most:.0f} K
-        above its initial temperature, so the fan in run 10B has little effect."""),
+        above its initial temperature, so the fan in run 10B has little effect. The stator's thermocouple is between winding and stator
+        at phase A in runs 10B, 10C and 10D, and at the inner stator in runs 12 and 13."""),
         "\n".join(["| run | " + " | ".join(names) + " |", "|---|" + "---|" * len(names), *rise_rows]),
         fill(f"""The two thermocouples at the windings indicate {together["least"]:.0f} to {together["greatest"]:.0f} K in runs 10B,
         10C and 10D, but {apart["least"]:.0f} to {apart["greatest"]:.0f} K in runs 12 and 13, where both are at one winding.

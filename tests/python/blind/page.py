@@ -26,9 +26,9 @@ priors that are sometimes wrong, and runs that sometimes start warm.
 The true value of a parameter is its value in the *best two-node model*. This is the two-node model that describes the
 specimen's noise-free response in the fit runs best: a nonlinear least-squares fit, weighted with the noise, without the
 priors. Without structure error it has the specimen's parameters. With structure error its parameters can differ from the specimen's:
-a winding whose end turns release little heat responds like a two-node motor with a larger `R_wh`. The criterion compares
-the 95 % intervals with these values, in sets with a structure error of at most {low:g} standard deviations and without
-a wrong prior. Parameters of listed effects are compared with those of the set. Tables with "(specimen)" compare with
+a winding whose end turns release little heat responds like a two-node motor with a larger `R_wh`. The criterion "true parameters inside
+their 95 % interval" compares the intervals with these values, in sets with a structure error of at most {low:g} standard deviations and
+without a wrong prior. Parameters of listed effects are compared with those of the set. Tables with "(specimen)" compare with
 the parameters of the specimen; there, best two-node model and structure error come from one linear least-squares step.
 
 | kind of set | true effect |
@@ -39,6 +39,8 @@ the parameters of the specimen; there, best two-node model and structure error c
 | product | a product of two random functions of two drivers |
 | hidden | a random function of a driver behind a first-order lag of 1 to 15 minutes |
 | mistake | an ordinary mistake in the data (unit, sign, exchanged columns, defective sensor, time) |
+
+"Random laws" are the sets of the kinds function and product, "hidden states" those of the kind hidden.
 
 An effect is *visible* if it changes a channel of the fit runs by at least noise and structure error together, after a linear refit of the
 declared parameters. The *floor* is the error of the true model with the measured inputs. The "floor with structure error" is the floor times
@@ -52,18 +54,20 @@ the report has several effects that the data cannot distinguish, and the true ef
 law at the true port with another driver. Column "{elseport}": a law at another port. `terminal_voltage` and `winding_resistance` count as
 one port, and a law at `housing_ambient_conductance` is at the correct port also if the true port is `fan_flow`. Column
 "{law}": a law was reported in place of the listed effect, or in addition to it at a port where no real
-difference acts. Column "{elsewhere}": verdict `unusable` with another channel than the one with the
+difference acts. Column "{traced}": for a set with a mistake, an effect or law is reported that is no real
+difference. Column "{elsewhere}": verdict `unusable` with another channel than the one with the
 mistake. Column "{unnoticed}": neither the verdict nor a note names the mistake, and no effect is reported. Column
 "{refused}": verdict `unusable` or exit code 2 although the data can be used. Column "{silent}": the command wrote no report.
 A result is wrong or missing if its set is in none of these columns:
 {fine}.
 "Mistakes in the data handled" are the sets with a mistake in column "{right}".
-A driver counts as correct if its best function explains 98 % of the law over the fit runs.
+The reported driver counts as correct if it is a driver of the true law. For a law of one driver without a lag another driver counts, too,
+if some function of it explains more than 98 % of the variance of the true law over the fit runs.
 
-A rate meets its criterion if it is on the right side of the limit and its 95 % interval (Clopper and Pearson) does not cross the stated bound
-(without one: the limit). It misses the criterion ("missed" in the last column of the criteria) if the whole interval is on the wrong side of
-the limit; otherwise it is not decided. The criterion "92 to 98 %" is met by a rate within these limits and missed if the whole interval is
-outside. Medians and percentiles are compared with the limit.
+A rate meets its criterion if it is on the right side of the limit and its 95 % interval (Clopper and Pearson) does not cross the bound in
+the column "criterion" (without one: the limit). It misses the criterion ("missed" in the last column of the criteria) if the whole
+interval is on the wrong side of the limit; otherwise it is not decided. The criterion "92 to 98 %" is met by a rate within these limits and
+missed if the whole interval is outside. Medians and percentiles are compared with the limit.
 
 In the lists of sets, "port by driver" is a law, "behind 85 s" a first-order lag of its driver with this time constant, "history" a law with
 memory ([glossary](glossary.md#closed-loop-and-statistics)). "A + B": both together. "A or B": effects that the data cannot distinguish;
@@ -118,6 +122,7 @@ def page(tables: list) -> str:
     columns = {"real": j.title(j.STRUCTURE), "below": j.title(j.BELOW), "right": j.title(j.RIGHT)}
     columns |= {"wrong": j.title(j.WRONG_NAME), "missed": j.title(j.MISSED), "law": j.title(j.UNEXPLAINED)}
     columns |= {"elsewhere": j.title(j.OTHER_CHANNEL), "unnoticed": j.title(j.UNNOTICED)}
+    columns |= {"traced": j.title(j.TRACED)}
     columns |= {"refused": j.title(j.REFUSED_GOOD), "silent": j.title(j.NO_REPORT), "among": j.title(j.CLASS_WITH)}
     columns |= {"port": j.title(j.PORT_ONLY), "elseport": j.title(j.WRONG_PORT)}
     columns |= {"fine": ", ".join(f'"{j.title(one)}"' for one in j.FINE)}
