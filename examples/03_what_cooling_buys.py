@@ -146,6 +146,17 @@ def speed_words(rows: dict) -> str:
         gain is {relation} than that at standstill ({percent(still)})."""
 
 
+def torque_words(answer: dict) -> str:
+    """Why the torques of the tests and those at standstill differ for the same motor."""
+    ends = zip(("_model", "_untuned"), answer["motors"].values(), strict=True)
+    ratios = [rows[STANDSTILL][name]["torque_Nm"] / t["torque_at_limit" + end] for end, rows in ends for name, t in answer["tests"].items()]
+    most = 100.0 * max(abs(ratio - 1.0) for ratio in ratios)
+    return f"""The torques of this table are computed as in the thesis: from the thermal resistance at 10 W, with the winding resistance and
+        the ambient temperature of the tests (24.8 °C) in all columns. The tables below state the steady state of the model with the
+        winding at 155 °C, where it releases more than 10 W, with the winding resistance of the preset and an ambient temperature of
+        25 °C. Their torques at standstill differ from those of this table by up to {most:.0f} %."""
+
+
 def test_table(tests: dict) -> str:
     """Measured, fitted and predicted values of the thesis's tests as Markdown."""
     text = "| arrangement | T_w in K: measured | T_w: fitted to all | T_w: leave-one-out | T_w: untuned "
@@ -177,6 +188,7 @@ def markdown(answer: dict) -> str:
     ]
     text = "# Continuous torque with fan and annulus\n\n" + "\n\n".join(map(fill, paragraphs)) + "\n"
     text += "\n## Measured, fitted, predicted\n\n" + fill(prediction_words(answer)) + "\n\n" + test_table(answer["tests"])
+    text += "\n" + fill(torque_words(answer)) + "\n"
     for motor, loads in answer["motors"].items():
         text += f"\n## Motor: {motor}\n"
         for load, rows in loads.items():
