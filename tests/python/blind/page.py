@@ -70,10 +70,10 @@ interval is on the wrong side of the limit; otherwise it is not decided. The cri
 missed if the whole interval is outside. Medians and percentiles are compared with the limit.
 
 In the lists of sets, "port by driver" is a law, "behind 85 s" a first-order lag of its driver with this time constant, "history" a law with
-memory ([glossary](glossary.md#closed-loop-and-statistics)). "effect 1.03 sigma": largest change of a channel of the fit runs by the effect after a linear refit, divided by noise and structure
-error of this channel together; the effect is visible from 1. "A + B": both together. "A or B": effects that the data cannot distinguish;
-`or` binds more strongly than `+`. Test errors are divided by the floor. The text after "reported" is quoted from the report, in the wording
-of the program at that time.
+memory ([glossary](glossary.md#closed-loop-and-statistics)). "effect 1.03 sigma": largest change of a channel of the fit runs by the effect
+after a linear refit, divided by noise and structure error of this channel together; the effect is visible from 1. "A + B": both together.
+"A or B": effects that the data cannot distinguish; `or` binds more strongly than `+`. Test errors are divided by the floor. The text after
+"reported" is quoted from the report, in the wording of the program at that time.
 """
 AGAIN = """To generate a set again, in `tests/python`: `python -m blind.make --seed SEED --first NUMBER --out DIR`.
 """
