@@ -168,7 +168,8 @@ fn binary(library: &Library, starts: &StartValues) -> Result<(Platform, Vec<u8>)
     start_values::patch(&mut binary, &starts.entries())
         .map_err(|error| BuildError(format!("the FMU library {path} does not fit this tool: {error}")))?;
     let alone = [File { name: String::new(), content: Content::Executable(&binary) }];
-    let compressed = pack(&alone).map_err(|e| BuildError(format!("the library {path} cannot be packed: {e}")))?;
+    let compressed =
+        pack(&alone).map_err(|e| BuildError(format!("the library {path} cannot be packed: {e}")))?;
     Ok((library.platform, compressed))
 }
 

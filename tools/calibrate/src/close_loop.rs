@@ -8,6 +8,7 @@
 //! 5. The test runs are evaluated.
 
 mod judgement;
+mod refine;
 mod stepwise;
 #[cfg(test)]
 mod tests;
@@ -219,6 +220,9 @@ fn attempt<'a>(
     }
     if let Some(unusable) = deadline.in_time(search_of.error_of_an_input())?.flatten() {
         return Err(Refusal::Unusable(unusable));
+    }
+    if let Err(e) = search_of.refine() {
+        search_of.notes.push(format!("the accepted function could not be refined: {e}"));
     }
     let is_cut = deadline.is_near();
     search_of.is_cut = is_cut;

@@ -220,7 +220,8 @@ impl<'l> Table<'l> {
         let mut numbers: Vec<Number> =
             knots.iter().enumerate().map(|(k, x)| value(port, &place(*x), k, &gain)).collect();
         numbers.push(time_constant(late, taus));
-        let shape = super::laws::table(vec![Axis { driver, knots }], &gain);
+        let kernel = alike(&knots);
+        let shape = super::laws::table(vec![Axis { driver, knots }], kernel, &gain);
         found.addition = Some(term(point, (port, follows), shape, numbers));
         found
     }

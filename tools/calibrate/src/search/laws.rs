@@ -107,13 +107,12 @@ pub(super) fn kernel(axes: &[Axis]) -> DMatrix<f64> {
     parts.into_iter().sum::<DMatrix<f64>>() / count
 }
 
-/// A table whose values have the prior of (1) or (2) with the variance q^2 that the data give.
+/// A table whose values have the covariance q^2 `kernel`, with the variance q^2 that the data give.
 ///
 /// q^2 = [v' K^-1 v + tr(K^-1 S)] / n,   v and S: mean and covariance of the n values given the data                   (3)
 ///
 /// *Source*: MacKay, Neural Computation 4 (1992) 415-447: at the most probable q.
-pub(super) fn table(axes: Vec<Axis>, gain: &Gain) -> Shape {
-    let kernel = kernel(&axes);
+pub fn table(axes: Vec<Axis>, kernel: DMatrix<f64>, gain: &Gain) -> Shape {
     let n = kernel.nrows();
     let values = gain.size.rows(0, n);
     let precision = kernel.cholesky().map_or_else(|| DMatrix::zeros(n, n), |factor| factor.inverse());
@@ -173,7 +172,7 @@ pub(super) fn exponent(value: f64) -> Number {
 }
 
 /// The `k`-th value of a table, estimated to first order.
-pub(super) fn value(port: Port, place: &str, k: usize, gain: &Gain) -> Number {
+pub fn value(port: Port, place: &str, k: usize, gain: &Gain) -> Number {
     let spread = gain.covariance[(k, k)].sqrt();
     number(format!("value at {place}"), gain.size[k], UNLIMITED, port.unit().name(), spread)
 }
@@ -208,7 +207,8 @@ pub(super) fn smooth(point: &Linearization, port: Port, driver: Driver, per_numb
 fn over(point: &Linearization, port: Port, axes: Vec<Axis>, per_number: f64) -> Option<Scored> {
     let count = values(&axes);
     let columns = point.port_columns(port, count, |k, _, _, d| weight(&axes, k, |driver| d.of(driver)))?;
-    let gain = point.evidence.shape(&columns, &kernel(&axes))?;
+    let kernel = kernel(&axes);
+    let gain = point.evidence.shape(&columns, &kernel)?;
     let drivers: Vec<&str> = axes.iter().map(|axis| axis.driver.name()).collect();
     let name = format!("{} over {}", port.name(), drivers.join(" and "));
     let follows = match axes[..] {
@@ -221,7 +221,7 @@ fn over(point: &Linearization, port: Port, axes: Vec<Axis>, per_number: f64) -> 
     let point_of = |(axis, k): (&Axis, usize)| format!("{} = {:.4}", axis.driver.name(), axis.knots[k]);
     let at = |k: usize| place(&axes, k).map(point_of).collect::<Vec<_>>().join(", ");
     let numbers = (0..count).map(|k| value(port, &at(k), k, &gain)).collect();
-    found.addition = Some(term(point, (port, follows), table(axes, &gain), numbers));
+    found.addition = Some(term(point, (port, follows), table(axes, kernel, &gain), numbers));
     Some(found)
 }
 

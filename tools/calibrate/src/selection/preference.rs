@@ -149,11 +149,13 @@ fn oddity(addition: &Addition) -> usize {
 }
 
 /// A law at another port over another driver that cannot be distinguished from the `k`-th candidate, a listed effect: the law is the weaker
-/// statement.
+/// statement. Of several the best one that is accepted.
 pub fn law_elsewhere(point: &Linearization, candidates: &mut [Candidate], k: usize) -> Option<usize> {
     let own = &candidates[k];
-    let law = candidates.iter().position(|c| c.refused.is_none() && states_less(c, own))?;
-    candidates[law].judge(point).then_some(law)
+    let is_law = |c: &Candidate| c.refused.is_none() && states_less(c, own);
+    let mut laws: Vec<usize> = (0..candidates.len()).filter(|law| is_law(&candidates[*law])).collect();
+    laws.retain(|law| candidates[*law].judge(point));
+    laws.into_iter().next()
 }
 
 /// Whether a law of at most one present driver explains as much as a listed effect elsewhere, and is not less probable by itself.

@@ -1,0 +1,139 @@
+//! Refinement of an accepted function of one driver.
+//!
+//! k(d) = 1 + exp(-d / l)
+//! k(d) = 1 + (1 + a) exp(-a),              a = sqrt(3) d / l                                                 (1)
+//! k(d) = 1 + (1 + a + a^2 / 3) exp(-a),    a = sqrt(5) d / l
+//!
+//! The search compares hundreds of functions, each as a table of few points with the roughest of these covariances (`search/laws.rs`). Which
+//! driver acts at which port is then known. The function itself is estimated with more points, and with the smoothness and the length l that
+//! explain the fit runs best; d is the distance of two points. The refined function is kept if its evidence is larger and its errors in the
+//! validation runs are not.
+//! *Source*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 4.2.1 (Matern), 5.4.1 (marginal likelihood).
+
+use super::Search;
+use crate::CalibrateError;
+use crate::acting::acting;
+use crate::evidence::Gain;
+use crate::experiment::Role;
+use crate::fit::Slopes;
+use crate::hypothesis::{Addition, Axis, Number, Shape, followed, weight};
+use crate::linearization::Linearization;
+use crate::search::{alike, spread, table, value};
+use crate::selection::NEAR;
+use nalgebra::DMatrix;
+use physics::terms::Port;
+
+/// Points of a refined function. Numerical: a sine of two periods deviates by a tenth of its amplitude between two of them.
+const POINTS: usize = 13;
+/// Lengths that are tried, as a fraction of the range of the data. Numerical: neighbours differ by a factor of two.
+const LENGTHS: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
+/// Variance of the value of a point by itself, relative to that of the function. Numerical: makes the covariance invertible.
+const ALONE: f64 = 1e-6;
+
+/// Smoothness of (1): how often the function can be differentiated.
+const COVARIANCES: [fn(f64) -> f64; 3] = [
+    |d| (-d).exp(),
+    |d| {
+        let a = 3f64.sqrt() * d;
+        (1.0 + a) * (-a).exp()
+    },
+    |d| {
+        let a = 5f64.sqrt() * d;
+        (1.0 + a + a * a / 3.0) * (-a).exp()
+    },
+];
+
+/// Covariance (1) of the values at these points.
+fn covariance(points: &[f64], of: fn(f64) -> f64, length: f64) -> DMatrix<f64> {
+    let n = points.len();
+    let own = DMatrix::from_fn(n, n, |a, b| 1.0 + of((points[a] - points[b]).abs() / length));
+    own + DMatrix::identity(n, n) * ALONE
+}
+
+impl<'a> Search<'a> {
+    /// Refines the accepted functions of one driver.
+    pub(super) fn refine(&mut self) -> Result<(), CalibrateError> {
+        let Some(last) = self.rounds.iter().rposition(|round| round.taken.is_some()) else { return Ok(()) };
+        for k in 0..self.point().fitted.hypothesis.additions.len() {
+            if self.setup.deadline().is_near() {
+                break;
+            }
+            if let Some(point) = self.refined(k)? {
+                let round = self.rounds.remove(last);
+                self.rounds.insert(last, round.with_point(point));
+            }
+        }
+        Ok(())
+    }
+
+    /// The model with its `k`-th addition refined; `None` if that is not a function of one driver, or no better refined.
+    fn refined(&self, k: usize) -> Result<Option<Linearization<'a>>, CalibrateError> {
+        let (setup, point) = (self.setup, self.point());
+        let mut without = point.fitted.hypothesis.clone();
+        let own = without.additions.remove(k);
+        let Shape::Table { axes, .. } = &own.shape else { return Ok(None) };
+        let ([axis], Some(port)) = (&axes[..], Port::ALL.iter().find(|port| **port == own.port)) else {
+            return Ok(None);
+        };
+        let base = Linearization::beside(setup, setup.judged(without, &point.runs)?, &point.runs, port)?;
+        let reached = reached(&own, axis, &point.slopes);
+        let values = reached.iter().flatten().copied().collect();
+        let Some(knots) = spread(values, POINTS, None) else { return Ok(None) };
+        let finer = Axis { knots, ..axis.clone() };
+        let columns = |axis: &Axis| {
+            let axes = std::slice::from_ref(axis);
+            base.port_columns(*port, axis.knots.len(), |n, r, row, _| {
+                let is_on = own.active[base.runs[r]];
+                if is_on { weight(axes, n, |_| reached[r][row]) } else { 0.0 }
+            })
+        };
+        let present = columns(axis).and_then(|columns| base.evidence.shape(&columns, &alike(&axis.knots)));
+        let (Some(present), Some(columns)) = (present, columns(&finer)) else { return Ok(None) };
+        let range = axis.knots[axis.knots.len() - 1] - axis.knots[0];
+        let tried = COVARIANCES.iter().flat_map(|of| LENGTHS.map(|length| (*of, length * range)));
+        let found = tried.filter_map(|(of, length)| {
+            let covariance = covariance(&finer.knots, of, length);
+            Some((base.evidence.shape(&columns, &covariance)?, covariance))
+        });
+        let best = found.max_by(|a, b| a.0.whitened.total_cmp(&b.0.whitened));
+        let is_more = |(gain, _): &(Gain, _)| gain.whitened > present.whitened + NEAR;
+        let Some((gain, covariance)) = best.filter(is_more) else { return Ok(None) };
+        let mut hypothesis = point.fitted.hypothesis.clone();
+        hypothesis.additions[k] = finer_table(&own, finer, covariance, &gain);
+        let Ok(fitted) = setup.fit(hypothesis, &point.runs) else { return Ok(None) };
+        let refined = Linearization::judged(setup, fitted, &point.runs)?;
+        let is_worse = |known: f64| self.validation_errors(&refined).is_none_or(|own| own > known);
+        let is_better = refined.fitted.chi_square < point.fitted.chi_square
+            && !self.validation_errors(point).is_some_and(is_worse);
+        Ok(is_better.then_some(refined))
+    }
+
+    /// Sum of squared errors in the validation runs, in units of the noise; `None` if there are none, or the model cannot be run there.
+    fn validation_errors(&self, point: &Linearization) -> Option<f64> {
+        let runs = self.setup.runs(Role::Validate);
+        let hypothesis = acting(self.setup, &point.fitted.hypothesis, &runs).ok()?;
+        let judged = self.setup.judged(hypothesis, &runs).ok()?;
+        (judged.readings > 0).then_some(judged.chi_square)
+    }
+}
+
+/// A function with other points, estimated to first order.
+fn finer_table(own: &Addition, axis: Axis, covariance: DMatrix<f64>, gain: &Gain) -> Addition {
+    let late = if own.lag().is_some() { "lagged " } else { "" };
+    let place = |x: f64| format!("{late}{} = {x:.4}", axis.driver.name());
+    let points = axis.knots.iter().enumerate();
+    let mut numbers: Vec<Number> = points.map(|(n, x)| value(own.port, &place(*x), n, gain)).collect();
+    numbers.extend(own.numbers[own.sizes()..].iter().cloned());
+    Addition { shape: table(vec![axis], covariance, gain), numbers, ..own.clone() }
+}
+
+/// The driver of an addition at the rows of the runs, with its lag.
+fn reached(addition: &Addition, axis: &Axis, slopes: &Slopes) -> Vec<Vec<f64>> {
+    let tangents = slopes.tangents.iter();
+    tangents
+        .map(|tangent| match addition.lag() {
+            Some(lag) => followed(&tangent.time, &tangent.drivers, lag),
+            None => tangent.drivers.iter().map(|d| d.of(axis.driver)).collect(),
+        })
+        .collect()
+}
