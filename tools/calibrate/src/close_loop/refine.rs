@@ -30,7 +30,7 @@ const LENGTHS: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 /// Variance of the value of a point by itself, relative to that of the function. Numerical: makes the covariance invertible.
 const ALONE: f64 = 1e-6;
 
-/// Smoothness of (1): how often the function can be differentiated.
+/// The last terms of (1) by d / l. Definition: covariances of Matern for functions without, with one and with two derivatives.
 const COVARIANCES: [fn(f64) -> f64; 3] = [
     |d| (-d).exp(),
     |d| {
