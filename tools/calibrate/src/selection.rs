@@ -347,7 +347,7 @@ fn among<'a>(
         listed_first(&candidates, &mut order);
     }
     let taken = order.into_iter().find(|k| candidates[*k].judge(point));
-    let taken = taken.map(|t| law_elsewhere(point, &mut candidates, t).unwrap_or(t));
+    let taken = taken.map(|t| law_elsewhere(&mut candidates, t, |c| c.judge(point)).unwrap_or(t));
     let alike = taken.map_or_else(Vec::new, |t| self::alike(point, &candidates, t));
     let part = taken.and_then(|t| {
         let law = candidates[t].addition().clone();

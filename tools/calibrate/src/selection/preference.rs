@@ -2,7 +2,6 @@
 
 use super::{ALIKE, Candidate, NEAR, asked};
 use crate::hypothesis::Addition;
-use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::search::{bypasses_the_air, temperatures};
 use physics::terms::{Driver, Port};
@@ -149,13 +148,15 @@ fn oddity(addition: &Addition) -> usize {
 }
 
 /// A law at another port over another driver that cannot be distinguished from the `k`-th candidate, a listed effect: the law is the weaker
-/// statement. Of several the best one that is accepted.
-pub fn law_elsewhere(point: &Linearization, candidates: &mut [Candidate], k: usize) -> Option<usize> {
-    let own = &candidates[k];
-    let is_law = |c: &Candidate| c.refused.is_none() && states_less(c, own);
-    let mut laws: Vec<usize> = (0..candidates.len()).filter(|law| is_law(&candidates[*law])).collect();
-    laws.retain(|law| candidates[*law].judge(point));
-    laws.into_iter().next()
+/// statement. Of several the first one that passes the acceptance tests, `judge`.
+pub fn law_elsewhere<'a>(
+    candidates: &mut [Candidate<'a>],
+    k: usize,
+    judge: impl Fn(&mut Candidate<'a>) -> bool,
+) -> Option<usize> {
+    let is_law = |c: &Candidate| c.refused.is_none() && states_less(c, &candidates[k]);
+    let laws: Vec<usize> = (0..candidates.len()).filter(|law| is_law(&candidates[*law])).collect();
+    laws.into_iter().find(|law| judge(&mut candidates[*law]))
 }
 
 /// Whether a law of at most one present driver explains as much as a listed effect elsewhere, and is not less probable by itself.
@@ -201,6 +202,21 @@ mod tests {
         assert!(!states_less(&heat(Follows::Late(Driver::Current), 160.0), &named));
         assert!(!states_less(&of(law(Port::DragTorque, Follows::Driver(Driver::Current)), 250.0), &named));
         assert!(!states_less(&named, &over(Driver::Current, 160.0)));
+    }
+
+    /// A law that is refused says nothing of the next one.
+    #[test]
+    fn every_law_elsewhere_is_tested() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let heat = |sure| candidate(&setup, law(Port::WindingHeat, Follows::Driver(Driver::Current)), sure);
+        let named = candidate(&setup, testing::addition(&setup, "windage", 1e-8), 200.0);
+        let mut all = [heat(230.0), heat(220.0), named, heat(190.0), heat(200.0 - ALIKE)];
+        let below = |most: f64| move |c: &mut Candidate| c.sure() < most;
+        assert_eq!(law_elsewhere(&mut all, 2, below(1e3)), Some(0));
+        assert_eq!(law_elsewhere(&mut all, 2, below(225.0)), Some(1));
+        assert_eq!(law_elsewhere(&mut all, 2, below(195.0)), Some(3));
+        assert_eq!(law_elsewhere(&mut all, 2, below(190.0)), None);
     }
 
     #[test]
