@@ -2,7 +2,7 @@
 
 use crate::experiment::CELSIUS;
 use crate::experiment::units::{names, units};
-use crate::levels::{PART, SMALL};
+use crate::levels::{FACTOR, SMALL};
 use physics::declare::Unit;
 
 /// Two units with factors or offsets that differ by less are the same. Numerical: rounding of the factors.
@@ -60,8 +60,8 @@ pub fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     for plain in [true, false] {
         for ((as_stated, stated), (as_meant, meant)) in pairs().filter(|(s, _)| contract(s.0) == plain) {
             let factor = meant.factor / stated.factor;
-            // Two foreign units that differ by less than a sensor's gain or a missing effect are no explanation of their own.
-            if !plain && (1.0 / (1.0 + PART)..=1.0 + PART).contains(&factor) && of != Unit::Kelvin {
+            // Two units of which neither is that of the column are no explanation of what a missing effect may do.
+            if !plain && (1.0 / FACTOR..=FACTOR).contains(&factor) && of != Unit::Kelvin {
                 continue;
             }
             let words = if plain {
@@ -110,4 +110,23 @@ pub fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
         (2..=16).for_each(|pairs| add(1.0 / f64::from(pairs), 0.0, format!("speeds of {pairs} pole pairs")));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mistake of two units that are not the column's has to be larger than a missing effect; one of the column's own unit need not.
+    #[test]
+    fn foreign_units_explain_no_missing_effect() {
+        for unit in [Unit::NewtonMetre, Unit::RadianPerSecond, Unit::Ampere, Unit::Volt] {
+            let foreign = unit_mistakes(unit).into_iter().filter(|(_, _, words)| words.contains("(as of"));
+            let small: Vec<_> = foreign.filter(|(k, ..)| (1.0 / FACTOR..=FACTOR).contains(k)).collect();
+            assert!(small.is_empty(), "{small:?}");
+        }
+        let torque = unit_mistakes(Unit::NewtonMetre);
+        let has = |factor: f64| torque.iter().any(|(k, ..)| (k / factor - 1.0).abs() < 1e-3);
+        assert!(has(1.355_818) && !has(1.0 / 1.355_818) && !has(0.7062));
+        assert!(torque.iter().any(|(.., words)| words.contains("(as of")));
+    }
 }
