@@ -43,8 +43,8 @@ pub fn notes(
     notes
 }
 
-/// A driver of a term along a run, as the term takes it.
-fn values(term: &GenericTerm, driver: Driver, time: &[f64], drivers: &[Drivers]) -> Vec<f64> {
+/// A driver of a term along a run, as the term takes it: with its lag, or as a magnitude.
+pub fn values(term: &GenericTerm, driver: Driver, time: &[f64], drivers: &[Drivers]) -> Vec<f64> {
     let all: Vec<f64> = match term.lag.filter(|lag| lag.driver == driver) {
         Some(lag) => followed(time, drivers, lag),
         None => drivers.iter().map(|d| d.of(driver)).collect(),

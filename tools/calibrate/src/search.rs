@@ -29,7 +29,7 @@ use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::parallel;
 use crate::selection::NEAR;
-pub use laws::{alike, spread, table, value};
+pub use laws::{alike, kernel, spread, table, table_values};
 use laws::{of_two, powers, smooth, varies};
 use memory_terms::{FREE, histories, latent_inputs};
 pub use memory_terms::{best_memory_term, latent_input, latent_input_at, needs_memory};

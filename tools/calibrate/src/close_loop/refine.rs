@@ -13,12 +13,13 @@
 use super::Search;
 use crate::CalibrateError;
 use crate::acting::acting;
+use crate::beyond;
 use crate::evidence::Gain;
 use crate::experiment::Role;
-use crate::fit::Slopes;
-use crate::hypothesis::{Addition, Axis, Number, Shape, followed, weight};
+use crate::fit::Fitted;
+use crate::hypothesis::{Addition, Axis, Shape, weight};
 use crate::linearization::Linearization;
-use crate::search::{alike, spread, table, value};
+use crate::search::{kernel, spread, table, table_values};
 use crate::selection::NEAR;
 use nalgebra::DMatrix;
 use physics::terms::Port;
@@ -76,7 +77,10 @@ impl<'a> Search<'a> {
             return Ok(None);
         };
         let base = Linearization::beside(setup, setup.judged(without, &point.runs)?, &point.runs, port)?;
-        let reached = reached(&own, axis, &point.slopes);
+        let Some(term) = own.term() else { return Ok(None) };
+        let tangents = point.slopes.tangents.iter();
+        let reached: Vec<Vec<f64>> =
+            tangents.map(|t| beyond::values(&term, axis.driver, &t.time, &t.drivers)).collect();
         let values = reached.iter().flatten().copied().collect();
         let Some(knots) = spread(values, POINTS, None) else { return Ok(None) };
         let finer = Axis { knots, ..axis.clone() };
@@ -87,7 +91,7 @@ impl<'a> Search<'a> {
                 if is_on { weight(axes, n, |_| reached[r][row]) } else { 0.0 }
             })
         };
-        let present = columns(axis).and_then(|columns| base.evidence.shape(&columns, &alike(&axis.knots)));
+        let present = columns(axis).and_then(|columns| base.evidence.shape(&columns, &kernel(axes)));
         let (Some(present), Some(columns)) = (present, columns(&finer)) else { return Ok(None) };
         let range = axis.knots[axis.knots.len() - 1] - axis.knots[0];
         let tried = COVARIANCES.iter().flat_map(|of| LENGTHS.map(|length| (*of, length * range)));
@@ -99,41 +103,26 @@ impl<'a> Search<'a> {
         let is_more = |(gain, _): &(Gain, _)| gain.whitened > present.whitened + NEAR;
         let Some((gain, covariance)) = best.filter(is_more) else { return Ok(None) };
         let mut hypothesis = point.fitted.hypothesis.clone();
-        hypothesis.additions[k] = finer_table(&own, finer, covariance, &gain);
+        let finer = vec![finer];
+        let mut numbers =
+            table_values(own.port, &finer, if term.lag.is_some() { "lagged " } else { "" }, &gain);
+        numbers.extend(own.numbers[own.sizes()..].iter().cloned());
+        hypothesis.additions[k] = Addition { shape: table(finer, covariance, &gain), numbers, ..own };
         let Ok(fitted) = setup.fit(hypothesis, &point.runs) else { return Ok(None) };
-        let refined = Linearization::judged(setup, fitted, &point.runs)?;
-        let is_worse = |known: f64| self.validation_errors(&refined).is_none_or(|own| own > known);
-        let is_better = refined.fitted.chi_square < point.fitted.chi_square
-            && !self.validation_errors(point).is_some_and(is_worse);
-        Ok(is_better.then_some(refined))
+        let is_worse = |known: f64| self.validation_errors(&fitted).is_none_or(|own| own > known);
+        if fitted.chi_square >= point.fitted.chi_square
+            || self.validation_errors(&point.fitted).is_some_and(is_worse)
+        {
+            return Ok(None);
+        }
+        Linearization::judged(setup, fitted, &point.runs).map(Some)
     }
 
     /// Sum of squared errors in the validation runs, in units of the noise; `None` if there are none, or the model cannot be run there.
-    fn validation_errors(&self, point: &Linearization) -> Option<f64> {
+    fn validation_errors(&self, fitted: &Fitted) -> Option<f64> {
         let runs = self.setup.runs(Role::Validate);
-        let hypothesis = acting(self.setup, &point.fitted.hypothesis, &runs).ok()?;
+        let hypothesis = acting(self.setup, &fitted.hypothesis, &runs).ok()?;
         let judged = self.setup.judged(hypothesis, &runs).ok()?;
         (judged.readings > 0).then_some(judged.chi_square)
     }
-}
-
-/// A function with other points, estimated to first order.
-fn finer_table(own: &Addition, axis: Axis, covariance: DMatrix<f64>, gain: &Gain) -> Addition {
-    let late = if own.lag().is_some() { "lagged " } else { "" };
-    let place = |x: f64| format!("{late}{} = {x:.4}", axis.driver.name());
-    let points = axis.knots.iter().enumerate();
-    let mut numbers: Vec<Number> = points.map(|(n, x)| value(own.port, &place(*x), n, gain)).collect();
-    numbers.extend(own.numbers[own.sizes()..].iter().cloned());
-    Addition { shape: table(vec![axis], covariance, gain), numbers, ..own.clone() }
-}
-
-/// The driver of an addition at the rows of the runs, with its lag.
-fn reached(addition: &Addition, axis: &Axis, slopes: &Slopes) -> Vec<Vec<f64>> {
-    let tangents = slopes.tangents.iter();
-    tangents
-        .map(|tangent| match addition.lag() {
-            Some(lag) => followed(&tangent.time, &tangent.drivers, lag),
-            None => tangent.drivers.iter().map(|d| d.of(axis.driver)).collect(),
-        })
-        .collect()
 }

@@ -12,7 +12,8 @@
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
 use super::laws::{
-    LEAST_REFERENCE, alike, coefficient, exponent, is_known, knots, number, scale, term, value, varies,
+    LEAST_REFERENCE, alike, coefficient, exponent, is_known, kernel, knots, number, scale, table_values,
+    term, varies,
 };
 use super::{Scored, choice, scored};
 use crate::evidence::Gain;
@@ -216,12 +217,11 @@ impl<'l> Table<'l> {
         let name = format!("{} over lag of {}", port.name(), driver.name());
         let follows = Follows::Late(driver);
         let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &knots);
-        let place = |x: f64| format!("lagged {} = {x:.4}", driver.name());
-        let mut numbers: Vec<Number> =
-            knots.iter().enumerate().map(|(k, x)| value(port, &place(*x), k, &gain)).collect();
+        let axes = vec![Axis { driver, knots }];
+        let mut numbers = table_values(port, &axes, "lagged ", &gain);
         numbers.push(time_constant(late, taus));
-        let kernel = alike(&knots);
-        let shape = super::laws::table(vec![Axis { driver, knots }], kernel, &gain);
+        let kernel = kernel(&axes);
+        let shape = super::laws::table(axes, kernel, &gain);
         found.addition = Some(term(point, (port, follows), shape, numbers));
         found
     }

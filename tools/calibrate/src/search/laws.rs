@@ -97,7 +97,7 @@ pub fn alike(knots: &[f64]) -> DMatrix<f64> {
 }
 
 /// Covariance of (1) or (2).
-pub(super) fn kernel(axes: &[Axis]) -> DMatrix<f64> {
+pub fn kernel(axes: &[Axis]) -> DMatrix<f64> {
     let own: Vec<DMatrix<f64>> = axes.iter().map(|axis| alike(&axis.knots)).collect();
     let [first, second] = &own[..] else { return own.into_iter().next().unwrap_or_default() };
     let constant = |k: &DMatrix<f64>| DMatrix::from_element(k.nrows(), k.ncols(), 1.0);
@@ -171,10 +171,15 @@ pub(super) fn exponent(value: f64) -> Number {
     number("exponent".to_string(), value, EXPONENT_LIMITS, "1", EXPONENT_SCALE)
 }
 
-/// The `k`-th value of a table, estimated to first order.
-pub fn value(port: Port, place: &str, k: usize, gain: &Gain) -> Number {
-    let spread = gain.covariance[(k, k)].sqrt();
-    number(format!("value at {place}"), gain.size[k], UNLIMITED, port.unit().name(), spread)
+/// The values of a table, estimated to first order; `late` comes before the name of a driver with a lag.
+pub fn table_values(port: Port, axes: &[Axis], late: &str, gain: &Gain) -> Vec<Number> {
+    let point_of = |(axis, k): (&Axis, usize)| format!("{late}{} = {:.4}", axis.driver.name(), axis.knots[k]);
+    let own = |k: usize| {
+        let at = place(axes, k).map(point_of).collect::<Vec<_>>().join(", ");
+        let spread = gain.covariance[(k, k)].sqrt();
+        number(format!("value at {at}"), gain.size[k], UNLIMITED, port.unit().name(), spread)
+    };
+    (0..values(axes)).map(own).collect()
 }
 
 /// A law as an addition in all runs.
@@ -218,9 +223,7 @@ fn over(point: &Linearization, port: Port, axes: Vec<Axis>, per_number: f64) -> 
     // One for the size, and one for each driver.
     let cost = (1.0 + axes.len() as f64) * per_number + choice(port, follows);
     let mut found = Scored { shape: profile(&axes, &gain), ..scored(name, port, follows, &gain, cost, &[]) };
-    let point_of = |(axis, k): (&Axis, usize)| format!("{} = {:.4}", axis.driver.name(), axis.knots[k]);
-    let at = |k: usize| place(&axes, k).map(point_of).collect::<Vec<_>>().join(", ");
-    let numbers = (0..count).map(|k| value(port, &at(k), k, &gain)).collect();
+    let numbers = table_values(port, &axes, "", &gain);
     found.addition = Some(term(point, (port, follows), table(axes, kernel, &gain), numbers));
     Some(found)
 }
