@@ -45,6 +45,30 @@ impl Listed {
         format!("effect.{}.{symbol}", self.id)
     }
 
+    /// The forms from which its size is estimated by linearization: with the preset's shape parameters, and with all combinations of values
+    /// around them ([`around`]): a shape far from the true one explains little. None if the model does not have the effect.
+    ///
+    /// *Source*: Box, Wilson, J. R. Stat. Soc. B 13 (1951) 1-45: two-level factorial design with a centre point.
+    pub fn forms(&self, setup: &Setup, active: &[bool]) -> Vec<Addition> {
+        let Some(centre) = self.addition(setup, active) else { return Vec::new() };
+        let mut corners = vec![centre.clone()];
+        for k in 1..centre.numbers.len() {
+            let [below, above] = around(&centre.numbers[k]);
+            let to = |value: f64| {
+                move |mut form: Addition| {
+                    form.numbers[k].value = value;
+                    form
+                }
+            };
+            let upper: Vec<Addition> = corners.iter().cloned().map(to(above)).collect();
+            corners = corners.into_iter().map(to(below)).chain(upper).collect();
+        }
+        if centre.numbers.len() > 1 {
+            corners.insert(0, centre);
+        }
+        corners
+    }
+
     /// The effect as an addition of size 0 to a model, active in the `active` runs; `None` if the model does not have the effect.
     pub fn addition(&self, setup: &Setup, active: &[bool]) -> Option<Addition> {
         let declaration = setup.bench.declaration();
@@ -84,10 +108,17 @@ impl Listed {
     }
 }
 
+/// Values on both sides of that of a shape parameter: half way to its limits, by ratio; or 0, if that is a limit: without a dependence.
+fn around(number: &Number) -> [f64; 2] {
+    let (least, most) = number.limits;
+    [least, most].map(|limit| (number.value * limit).sqrt())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::experiment::Experiment;
+    use crate::testing;
 
     #[test]
     fn a_width_is_a_shape_and_a_torque_is_a_size() {
@@ -100,6 +131,25 @@ mod tests {
         ] {
             assert_eq!(shapes_an_effect(name), is_shape, "{name}");
         }
+    }
+
+    #[test]
+    fn forms_are_around_the_preset() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let of = |id: &str| -> Vec<Vec<f64>> {
+            let listed = LISTED.iter().find(|l| l.id == id).unwrap();
+            let shape = |form: Addition| form.numbers[1..].iter().map(|n| n.value).collect();
+            listed.forms(&setup, &[true]).into_iter().map(shape).collect()
+        };
+        assert_eq!(of("windage"), [vec![0.0; 0]]);
+        let friction = of("lubricant_friction");
+        assert_eq!((friction.len(), &friction[0]), (5, &vec![0.667, 0.025]));
+        // Without a dependence on the speed, and halfway to the limits by ratio.
+        assert_eq!(friction[1], [0.0, (0.025 * 0.005f64).sqrt()]);
+        assert_eq!(friction[4], [0.667f64.sqrt(), (0.025 * 0.2f64).sqrt()]);
+        let n = |k: usize| of("speed_convection")[k][0];
+        assert!(n(1) < n(0) && n(0) < n(2));
     }
 
     /// Each effect of the motor with a candidate form is found, with the symbols that the candidate names.

@@ -337,9 +337,9 @@ pub fn magnitude(point: &Linearization) -> String {
 
 fn limits(point: &Linearization) -> Vec<Limit> {
     let least = DECISIVE + point.per_number();
-    let known: Vec<_> = point.listed().collect();
     let everywhere = vec![true; point.runs.len()];
-    let found = known.iter().enumerate().filter_map(|(k, (listed, addition))| {
+    let found = point.listed().filter_map(|(k, forms)| {
+        let (listed, addition) = &forms[0];
         if point.base(addition) != 0.0 {
             return None;
         }

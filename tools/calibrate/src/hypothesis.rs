@@ -24,6 +24,14 @@ pub struct Number {
     pub sloped: bool,
 }
 
+impl Number {
+    /// Whether it is at a limit, beyond which nothing is plausible: 0 is a value as any other.
+    pub fn is_at_limit(&self) -> bool {
+        let (least, most) = self.limits;
+        (self.value <= least && least != 0.0) || self.value >= most
+    }
+}
+
 /// Form in which an addition changes the model.
 #[derive(Clone, Debug)]
 pub enum Shape {

@@ -51,7 +51,7 @@ pub struct Linearization<'a> {
     pub evidence: Evidence,
     /// See [`validated`](Self::validated).
     with_validation: Option<(f64, f64)>,
-    /// Effects with a usable derivative, with the index of their direction after those of the model.
+    /// Forms of the effects with a usable derivative, in the order of their directions after those of the model.
     listed: Vec<(&'static Listed, Addition)>,
     inputs: usize,
     /// Ports at which latent inputs are evaluated.
@@ -135,7 +135,7 @@ impl<'a> Linearization<'a> {
         let listed: Vec<(&'static Listed, Addition)> = effects
             .iter()
             .filter(|l| l.way == Way::Slope)
-            .filter_map(|l| Some((l, l.addition(setup, &all)?)))
+            .flat_map(|l| l.forms(setup, &all).into_iter().map(move |form| (l, form)))
             .filter(|(l, a)| !known(l, a))
             .collect();
         let mut further: Vec<Probe> = ports.iter().map(|port| Probe::Port(*port)).collect();
@@ -144,7 +144,10 @@ impl<'a> Linearization<'a> {
         for (_, addition) in &listed {
             let Shape::Listed { slots, with, .. } = &addition.shape else { continue };
             let way = WAY * addition.numbers[0].scale;
-            further.push(Probe::Parameter { slot: slots[0], with: with.clone(), way });
+            let shape =
+                slots.iter().zip(&addition.numbers).skip(1).map(|(slot, number)| (*slot, number.value));
+            let with = with.iter().copied().chain(shape).collect();
+            further.push(Probe::Parameter { slot: slots[0], with, way });
         }
         let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
         let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), ports.len())?;
@@ -268,9 +271,14 @@ impl<'a> Linearization<'a> {
         self.slopes.further(r, self.ports.len() + self.inputs + self.listed.len())
     }
 
-    /// Effects with a usable derivative that the model does not include.
-    pub fn listed(&self) -> impl Iterator<Item = &(&'static Listed, Addition)> {
-        self.listed.iter()
+    /// The effects with a usable derivative that the model does not include: the index of the first form of each, and its forms, that with the
+    /// preset's shape first.
+    pub fn listed(&self) -> impl Iterator<Item = (usize, &[(&'static Listed, Addition)])> {
+        let effects = self.listed.chunk_by(|(a, _), (b, _)| std::ptr::eq(*a, *b));
+        effects.scan(0, |next, forms| {
+            *next += forms.len();
+            Some((*next - forms.len(), forms))
+        })
     }
 
     /// Size of a listed effect in the fitted model, before the search.
@@ -288,7 +296,7 @@ impl<'a> Linearization<'a> {
         }
     }
 
-    /// Column of the `k`-th effect of [`listed`](Self::listed), in the runs selected by `active` (by index among the runs evaluated).
+    /// Column of the `k`-th form of [`listed`](Self::listed), in the runs selected by `active` (by index among the runs evaluated).
     pub fn listed_column(&self, k: usize, active: &[bool]) -> Option<DMatrix<f64>> {
         let place = self.ports.len() + self.inputs + k;
         let hidden = self.hidden_at(self.listed[k].0.port);

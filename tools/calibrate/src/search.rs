@@ -243,17 +243,19 @@ fn within(value: f64, limits: (f64, f64)) -> bool {
 
 fn listed(point: &Linearization, per_number: f64) -> Vec<Scored> {
     let runs = point.runs.len();
-    let known: Vec<_> = point.listed().collect();
-    let of = |k: usize| -> Vec<Scored> {
-        let (listed, addition) = known[k];
+    let effects: Vec<_> = point.listed().collect();
+    let of = |effect: usize| -> Vec<Scored> {
+        let (first, forms) = effects[effect];
+        let (listed, _) = &forms[0];
         let patterns: Vec<Vec<bool>> = if listed.may_vary && runs <= 6 {
             (1..1usize << runs).map(|bits| (0..runs).map(|r| bits >> r & 1 == 1).collect()).collect()
         } else {
             vec![vec![true; runs]]
         };
         let everywhere = patterns.len();
-        let with = |pattern: Vec<bool>| {
-            let gain = point.evidence.gain(&point.listed_column(k, &pattern)?)?;
+        let with = |pattern: &[bool], k: usize| {
+            let addition = &forms[k].1;
+            let gain = point.evidence.gain(&point.listed_column(first + k, pattern)?)?;
             let partly = pattern.iter().any(|on| !on);
             let base = point.base(addition);
             let size = possible(base, gain.size[0], addition.numbers[0].limits)?;
@@ -266,11 +268,11 @@ fn listed(point: &Linearization, per_number: f64) -> Vec<Scored> {
             if partly {
                 // The effect is inactive in runs outside the fit until they are evaluated.
                 addition.active.fill(false);
-                point.runs.iter().zip(&pattern).for_each(|(run, on)| addition.active[*run] = *on);
+                point.runs.iter().zip(pattern).for_each(|(run, on)| addition.active[*run] = *on);
             }
             // Penalty for the choice of runs: 2 ln of the number of choices.
             let choice = if partly { 2.0 * (everywhere as f64).ln() } else { 0.0 };
-            let mut files: Vec<&str> = (point.runs.iter().zip(&pattern))
+            let mut files: Vec<&str> = (point.runs.iter().zip(pattern))
                 .filter(|(_, on)| **on)
                 .map(|(run, _)| point.setup.experiment.runs[*run].file.as_str())
                 .collect();
@@ -279,11 +281,16 @@ fn listed(point: &Linearization, per_number: f64) -> Vec<Scored> {
                 true => format!("{}{IN_SOME_RUNS} ({})", listed.id, files.join(", ")),
                 false => listed.id.to_string(),
             };
-            Some(named(listed, name, addition, &gain, per_number + choice))
+            let cost = per_number * addition.numbers.len() as f64 + choice;
+            Some(named(listed, name, addition, &gain, cost))
         };
-        patterns.into_iter().filter_map(with).collect()
+        let best = |pattern: &Vec<bool>| {
+            let all = (0..forms.len()).filter_map(|k| with(pattern, k));
+            all.max_by(|a, b| a.sure().total_cmp(&b.sure()))
+        };
+        patterns.iter().filter_map(best).collect()
     };
-    let mut all: Vec<Scored> = parallel::indices(known.len(), of).into_iter().flatten().collect();
+    let mut all: Vec<Scored> = parallel::indices(effects.len(), of).into_iter().flatten().collect();
     let everywhere = vec![true; point.setup.experiment.runs.len()];
     for listed in LISTED.iter().filter(|l| l.way != Way::Slope) {
         if point.fitted.hypothesis.additions.iter().any(|a| a.id == listed.id) {

@@ -4,11 +4,12 @@
 //! cost = -2 log p + ln n for each parameter, n the number of blocks (Schwarz, Annals of Statistics 6 (1978) 461-464)     (1)
 //!
 //! p is that of the fit runs and the validation runs; parameters are fitted to the fit runs alone.
-//! The acceptance tests, in this order: (1) decreases by more than 100, or than 10 if an effect is larger than structure error, both for
-//! white and for autocorrelated noise; sign and size are physical and no parameter reaches a limit; all runs agree on the size; -2 log p of the
+//! The acceptance tests, in this order: (1) decreases by more than 100, or than 10 if an effect is larger than structure error, or than 48 if
+//! it is listed and predicts the validation runs better by 10, both for white and for autocorrelated noise; sign and size are physical and no parameter reaches a limit; all runs agree on the size; -2 log p of the
 //! validation runs given the fit runs decreases. With the cost alone, effects would be found on every bench with drifting thermocouples.
 
 mod companion;
+mod fitted;
 mod gate;
 mod instead;
 mod known;
@@ -24,10 +25,11 @@ use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows};
 use crate::parallel;
 use crate::search::{IN_SOME_RUNS, Scored, choice, variants};
-use crate::setup::{BLOCKS, Setup};
+use crate::setup::BLOCKS;
 pub use companion::{beside, companion};
+use fitted::fitted;
 use gate::{Judged, gate, implausible};
-pub use gate::{asked, predicts_where_it_acts};
+pub use gate::{asked, asked_for, predicts_where_it_acts};
 use instead::listed_instead;
 pub use known::Known;
 use preference::{
@@ -79,7 +81,7 @@ pub struct Candidate<'a> {
 impl Candidate<'_> {
     /// Applies the acceptance tests; one that cannot be simulated in the validation runs is rejected. Result: whether it passes.
     fn judge(&mut self, before: &Linearization) -> bool {
-        self.judge_for(before, asked(before, &self.point))
+        self.judge_for(before, asked_for(before, &self.point, self.addition()))
     }
 
     /// The same with this decrease of the cost asked for.
@@ -434,54 +436,8 @@ fn choose(scored: &[Scored], is_first: bool) -> Vec<&Scored> {
     chosen
 }
 
-/// Parameters of the fitted model with a further addition: start values of its fit.
-fn initial_guess(setup: &Setup, start: &Hypothesis, addition: &Addition) -> Hypothesis {
-    let mut hypothesis = start.clone();
-    // A parameter that compensates for the effect is far off; a fit started from there converges slowly or not at all.
-    for (value, declared) in hypothesis.declared.iter_mut().zip(&setup.declared) {
-        if declared.astray(*value) {
-            *value = declared.prior;
-        }
-    }
-    hypothesis.additions.push(addition.clone());
-    hypothesis
-}
-
-fn fitted<'a>(
-    point: &Linearization<'a>,
-    start: &Hypothesis,
-    scored: &Scored,
-    known: &Known,
-) -> Result<Candidate<'a>, CalibrateError> {
-    let Some(addition) = &scored.addition else {
-        return Err(CalibrateError(format!("{} cannot be added", scored.name)));
-    };
-    let setup = point.setup;
-    let guess = initial_guess(setup, start, addition);
-    let fitted =
-        known.or_fitted(&guess, || setup.fit_addition(guess.clone(), &point.runs), setup.deadline())?;
-    let larger = Linearization::judged(setup, fitted, &point.runs)?;
-    let cost = point.per_number() * addition.price()
-        + if addition.is_listed() { 0.0 } else { choice(addition.port, addition.follows) };
-    let of_runs =
-        if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
-    let (white, raw) = larger.explains(point);
-    let delta = (white - cost - of_runs, raw - cost - of_runs);
-    Ok(Candidate {
-        name: scored.name.clone(),
-        delta_validation: larger.delta_validation(point),
-        point: larger,
-        delta,
-        validation: None,
-        refused: None,
-    })
-}
-
 /// Sentence on a parameter of an addition that is at a limit.
 pub fn at_limit(addition: &Addition) -> Option<String> {
-    let stuck = addition.numbers.iter().find(|number| {
-        let (least, most) = number.limits;
-        (number.value <= least && least != 0.0) || number.value >= most
-    })?;
+    let stuck = addition.numbers.iter().find(|number| number.is_at_limit())?;
     Some(format!("{} = {} is at its limit", stuck.symbol, with_unit(stuck.value, stuck.unit)))
 }

@@ -169,8 +169,8 @@ fn the_paper_is_explained_by_drop_and_friction_but_for_its_temperatures() {
     let everywhere = vec![true; runs.len()];
     let mut gains: Vec<(&str, f64, f64, bool)> = point
         .listed()
-        .enumerate()
-        .filter_map(|(k, (listed, addition))| {
+        .filter_map(|(k, forms)| {
+            let (listed, addition) = &forms[0];
             let gain = point.evidence.gain(&point.listed_column(k, &everywhere)?)?;
             let ((least, most), size) = (addition.numbers[0].limits, gain.size[0]);
             // A friction that drives is none, however well it explains.

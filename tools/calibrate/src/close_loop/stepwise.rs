@@ -12,7 +12,7 @@ use crate::linearization::Linearization;
 use crate::outcome::{Follows, Unusable};
 use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, search};
 use crate::selection::{
-    ALIKE, Candidate, LEAST, NEAR, Round, asked, beside, companion, compete, predicts_where_it_acts,
+    ALIKE, Candidate, LEAST, NEAR, Round, asked_for, beside, companion, compete, predicts_where_it_acts,
 };
 use physics::terms::MOST_TERMS;
 
@@ -243,7 +243,7 @@ impl<'a> Search<'a> {
         // If the others explain the residual without it, the first choice was a substitute for them: it would not be added to them.
         let (white, raw) = self.point().explains(&without);
         let fall = white.min(raw);
-        if self.rounds.len() > 1 && fall < asked(&without, self.point()) {
+        if self.rounds.len() > 1 && fall < asked_for(&without, self.point(), &own) {
             self.rounds.remove(0);
             if let Some(last) = self.rounds.pop() {
                 self.rounds.push(last.with_point(without));

@@ -2,7 +2,7 @@
 
 use super::{FAR, Fitted, OPTIONS, is_wide};
 use crate::CalibrateError;
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Addition, Hypothesis};
 use crate::setup::Setup;
 use least_squares::Options;
 use std::time::{Duration, Instant};
@@ -24,10 +24,13 @@ impl Setup<'_> {
     /// The fit of a model with a new addition. Where a declared parameter ends at a limit, the cost has often a second minimum:
     /// two lags in series are the same in either order, and a lag of the winding is its heat capacity or its thermometer. The fit is
     /// then repeated with the declared parameters within a standard deviation of their priors at first, and the better one is returned.
+    /// The shape of a listed effect may be far from its start.
     ///
     /// # Errors
     /// The model's error if it cannot be simulated.
     pub fn fit_addition(&self, start: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
+        let has_shape = |a: &Addition| a.is_listed() && a.numbers.iter().filter(|n| n.sloped).count() > 1;
+        let options = if start.additions.last().is_some_and(has_shape) { &FAR } else { &OPTIONS };
         let near = |mut start: Hypothesis| {
             for (value, declared) in start.declared.iter_mut().zip(&self.declared) {
                 *value = declared.prior;
@@ -39,9 +42,9 @@ impl Setup<'_> {
                 scale.limits = (least, most);
             }
             let held = self.fit_scaled(start, runs, scales, &FAR)?;
-            self.fit(held.hypothesis, runs)
+            self.fit_with(held.hypothesis, runs, false, options)
         };
-        let own = self.fit(start.clone(), runs)?;
+        let own = self.fit_with(start.clone(), runs, false, options)?;
         let mut ends = self.declared.iter().zip(&own.hypothesis.declared);
         if ends.all(|(declared, value)| declared.is_inside(*value)) {
             return Ok(own);

@@ -269,6 +269,36 @@ fn effects_of_test_rigs_are_named() {
     }
 }
 
+/// An effect whose shape is far from the preset's ranks first, and is fitted.
+#[test]
+fn effects_of_another_shape_are_named() {
+    for (id, size, shape) in [
+        ("lubricant_friction", 2e-3, &[0.0, 0.02][..]),
+        ("lubricant_friction", 2e-3, &[0.1, 0.06]),
+        ("lubricant_friction", 1e-3, &[0.95, 0.05]),
+        ("speed_convection", 0.03, &[0.35]),
+        ("speed_convection", 0.02, &[1.15]),
+    ] {
+        let what = format!("{id} = {size} with {shape:?}");
+        let mut experiment = testing::driven_by(("current_A", 2.0, 190.0), &testing::OUTPUTS, PRIORS, true);
+        testing::read_of(&mut experiment, |setup| {
+            let mut addition = testing::addition(setup, id, size);
+            addition.numbers[1..].iter_mut().zip(shape).for_each(|(n, value)| n.value = *value);
+            setup.change(&Hypothesis { additions: vec![addition], ..setup.preset() }, 0)
+        });
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let point = Linearization::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+        let scored = search(&point);
+        let listed = scored.iter().find(|s| s.listed).unwrap();
+        assert_eq!(listed.addition.as_ref().map(|a| a.id.as_str()), Some(id), "{what}: {}", listed.name);
+        assert_eq!(scored.iter().filter(|s| s.name == id).count(), 1, "{what}");
+        let mut hypothesis = setup.preset();
+        hypothesis.additions.extend(listed.addition.clone());
+        let fitted = setup.fit_addition(hypothesis, &[0]).unwrap();
+        assert!(fitted.chi_square < 1.2 * fitted.readings as f64, "{what}: {}", fitted.chi_square);
+    }
+}
+
 /// A large effect is beyond its limit to first order and starts half way to it; one of the wrong sign is none.
 #[test]
 fn the_start_of_a_large_effect_is_inside_its_limits() {

@@ -1,7 +1,7 @@
 //! Acceptance tests of a candidate: evidence, physical sign and size, the same size in every run, validation error.
 
 use super::preference::is_sensor;
-use super::{Candidate, LEAST, NEAR, at_limit};
+use super::{ALIKE, Candidate, LEAST, NEAR, at_limit};
 use crate::CalibrateError;
 use crate::acting::acting;
 use crate::catalogue::LISTED;
@@ -9,6 +9,7 @@ use crate::comparison::{digits, with_unit};
 use crate::deadline::Deadline;
 use crate::experiment::Role;
 use crate::fit::Fitted;
+use crate::hypothesis::Addition;
 use crate::instruments;
 use crate::intake::mean_square;
 use crate::levels::{CALIBRATED, CERTAIN, DECISIVE, PART, STRUCTURE};
@@ -137,6 +138,18 @@ pub fn implausible(before: &Linearization, candidate: &Candidate) -> Option<Stri
 /// Decrease of the cost that is asked for an addition, from the model without it to the model with it.
 pub fn asked(before: &Linearization, with: &Linearization) -> f64 {
     if outweighs(before, with) { LEAST } else { DECISIVE }
+}
+
+/// The same for one addition.
+pub fn asked_for(before: &Linearization, with: &Linearization, addition: &Addition) -> f64 {
+    enough(asked(before, with), addition, || with.delta_validation(before))
+}
+
+/// What is asked for by itself, or less for a listed effect with this decrease of -2 ln p of the validation runs: it has one form, and if it
+/// predicts better by very strong evidence, it is enough that the model with it can be distinguished from the one without.
+fn enough(asked: f64, addition: &Addition, predicted: impl Fn() -> Option<f64>) -> f64 {
+    let is_predicted = || addition.is_listed() && predicted().is_some_and(|gain| gain >= LEAST);
+    if asked > ALIKE && is_predicted() { ALIKE } else { asked }
 }
 
 /// Whether an effect is larger than structure error can be: an output's mean square error in the fit runs halves, and what it falls by is
@@ -334,6 +347,19 @@ mod tests {
         assert!(!is_size_at("effect.coulomb_friction.tau_c", Port::HousingHeat));
         assert!(!is_size_at("effect.coulomb_friction.w_small", Port::DragTorque));
         assert!(!is_size_at("conductance.G_still", Port::HousingAmbientConductance));
+    }
+
+    #[test]
+    fn less_is_asked_for_an_effect_that_predicts() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let listed = testing::addition(&setup, "windage", 1e-8);
+        let law = testing::law(Port::DragTorque, Follows::Driver(Driver::Speed));
+        assert_eq!(enough(DECISIVE, &listed, || Some(LEAST)), ALIKE);
+        assert_eq!(enough(DECISIVE, &listed, || Some(LEAST - 0.1)), DECISIVE);
+        assert_eq!(enough(DECISIVE, &listed, || None), DECISIVE);
+        assert_eq!(enough(DECISIVE, &law, || Some(90.0)), DECISIVE);
+        assert_eq!(enough(LEAST, &listed, || Some(90.0)), LEAST);
     }
 
     /// A listed effect and one of this run alone are not.

@@ -148,13 +148,20 @@ fn oddity(addition: &Addition) -> usize {
 }
 
 /// A law at another port over another driver that cannot be distinguished from the `k`-th candidate, a listed effect: the law is the weaker
-/// statement. Of several the first one that passes the acceptance tests, `judge`.
+/// statement. Of several the first one that passes the acceptance tests, `judge`. A law that a listed effect stands for is none: the two
+/// effects are then a class, which says as little, with names.
 pub fn law_elsewhere<'a>(
     candidates: &mut [Candidate<'a>],
     k: usize,
     judge: impl Fn(&mut Candidate<'a>) -> bool,
 ) -> Option<usize> {
-    let is_law = |c: &Candidate| c.refused.is_none() && states_less(c, &candidates[k]);
+    let is_named = |law: &Candidate| {
+        let place = |c: &Candidate| (c.addition().port, c.addition().follows);
+        let is_name =
+            |c: &Candidate| c.refused.is_none() && c.addition().is_listed() && place(c) == place(law);
+        candidates.iter().any(|c| is_name(c) && is_as_good(c, law))
+    };
+    let is_law = |c: &Candidate| c.refused.is_none() && states_less(c, &candidates[k]) && !is_named(c);
     let laws: Vec<usize> = (0..candidates.len()).filter(|law| is_law(&candidates[*law])).collect();
     laws.into_iter().find(|law| judge(&mut candidates[*law]))
 }
@@ -217,6 +224,23 @@ mod tests {
         assert_eq!(law_elsewhere(&mut all, 2, below(225.0)), Some(1));
         assert_eq!(law_elsewhere(&mut all, 2, below(195.0)), Some(3));
         assert_eq!(law_elsewhere(&mut all, 2, below(190.0)), None);
+    }
+
+    /// A conductance by the speed has a name, unless that explains less.
+    #[test]
+    fn a_law_with_a_name_is_no_weaker_statement() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let law = law(Port::HousingAmbientConductance, Follows::Driver(Driver::Speed));
+        let named = |id: &str, sure| candidate(&setup, testing::addition(&setup, id, 0.01), sure);
+        for (other, is_law) in [(230.0, false), (230.0 - ALIKE, true)] {
+            let mut all = [
+                candidate(&setup, law.clone(), 230.0),
+                named("speed_convection", other),
+                named("lubricant_friction", 250.0),
+            ];
+            assert_eq!(law_elsewhere(&mut all, 2, |_| true), is_law.then_some(0));
+        }
     }
 
     #[test]

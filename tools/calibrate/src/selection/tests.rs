@@ -1,4 +1,5 @@
 use super::*;
+use crate::setup::Setup;
 use crate::testing::candidate;
 use physics::terms::{Driver, Port};
 
