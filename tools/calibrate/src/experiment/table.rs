@@ -33,6 +33,11 @@ const FEW_GAPS: usize = 4;
 const DRAWN: usize = 600;
 
 impl Table {
+    /// Time from the first to the last row, s; 0 without rows.
+    pub fn span(&self) -> f64 {
+        self.time.last().zip(self.time.first()).map_or(0.0, |(last, first)| last - first)
+    }
+
     /// The rows that figures show.
     pub fn drawn(&self) -> Vec<usize> {
         (0..self.time.len()).step_by(self.time.len().div_ceil(DRAWN)).collect()

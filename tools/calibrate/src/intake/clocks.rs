@@ -22,7 +22,7 @@ use super::consistency::thinned;
 use super::{Unusable, all_runs, mean_square, median, structured};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Experiment, Role};
+use crate::experiment::{Experiment, Role, Table};
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
 use crate::levels::{AT_NOISE, FACTOR, SAMPLES, SMALL, STRUCTURE, SURE};
@@ -208,7 +208,7 @@ fn search(
     }
     let step = interval(experiment);
     let tables = || fit.iter().map(|r| &experiment.runs[*r].table);
-    let longest = tables().map(|t| t.time[t.time.len() - 1] - t.time[0]).fold(0.0, f64::max);
+    let longest = tables().map(Table::span).fold(0.0, f64::max);
     let most = FARTHEST * longest;
     let points: Vec<About> = [as_is.hypothesis.clone(), setup.preset()]
         .iter()

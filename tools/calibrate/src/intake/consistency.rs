@@ -43,6 +43,7 @@ mod search;
 mod supply;
 #[cfg(test)]
 mod tests;
+mod time;
 mod unmeasured;
 pub mod wrapped;
 
@@ -55,8 +56,9 @@ use crate::levels::{CERTAIN, FACTOR, NEARLY, SAMPLES, STRUCTURE};
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 pub use mistakes::Mistake;
-use search::{Found, search, wrong_time, wrong_value};
+use search::{Found, search, wrong_value};
 pub use supply::is_bus;
+use time::wrong_time;
 
 /// Sum of squared parameter deviations over their priors above which parameters count as strained. Derivation: two at [`CERTAIN`].
 const STRAINED: f64 = 2.0 * CERTAIN * CERTAIN;
@@ -420,9 +422,7 @@ pub(super) fn files(experiment: &Experiment) -> Vec<(&str, Vec<usize>)> {
 
 /// Whether runs are longer by the square of [`FACTOR`] than the others usually are.
 fn is_longer(experiment: &Experiment, runs: &[usize]) -> bool {
-    let length = |k: usize| {
-        experiment.runs[k].table.time.last().copied().unwrap_or(0.0) - experiment.runs[k].table.time[0]
-    };
+    let length = |k: usize| experiment.runs[k].table.span();
     let others = (0..experiment.runs.len()).filter(|k| !runs.contains(k)).map(length);
     runs.iter().any(|k| length(*k) > FACTOR * FACTOR * super::median(others.clone()))
 }

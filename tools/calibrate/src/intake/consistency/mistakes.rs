@@ -365,7 +365,7 @@ const TIMES: [(f64, &str); 8] = [
 ];
 
 /// Longest run of a bench, s. Limit: thirty days; readings that would last longer are in a shorter unit.
-const LONGEST_RUN: f64 = 30.0 * 86_400.0;
+pub(super) const LONGEST_RUN: f64 = 30.0 * 86_400.0;
 
 /// Mistakes of thermocouples that share a logger. A small factor of a single one is also that of a stem loss of another one.
 fn of_thermocouples(columns: &[usize]) -> Vec<Mistake> {
@@ -382,11 +382,10 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let all = channels(experiment);
     let mut found = Vec::new();
     let mut quantities: Vec<Unit> = Vec::new();
-    let span = |time: &[f64]| time[time.len() - 1] - time[0];
-    let longest = experiment.runs.iter().map(|run| run.table.time.as_slice());
-    let longest = longest.max_by(|a, b| span(a).total_cmp(&span(b)));
+    let longest = experiment.runs.iter().map(|run| &run.table);
+    let longest = longest.max_by(|a, b| a.span().total_cmp(&b.span()));
     for (factor, unit) in TIMES {
-        if longest.is_none_or(|time| factor * span(time) < LONGEST_RUN) {
+        if longest.is_none_or(|table| factor * table.span() < LONGEST_RUN) {
             found.push(Mistake::Time(factor, Some(unit)));
         }
     }
@@ -409,9 +408,9 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
         }
         found.extend((0..k).map(|other| Mistake::Swap(other, k)));
         let is_load = !channel.is_temperature() && !matches!(channel.unit, Unit::One | Unit::Pascal);
-        if let Some(time) = longest.filter(|_| is_load) {
-            let whole = span(time);
-            let row = whole / time.len() as f64;
+        if let Some(table) = longest.filter(|_| is_load) {
+            let whole = table.span();
+            let row = whole / table.time.len() as f64;
             let taus = |from: f64, by: f64, to: f64| {
                 std::iter::successors(Some(from), move |tau| Some(by * tau)).take_while(move |tau| *tau < to)
             };

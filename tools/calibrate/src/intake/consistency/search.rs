@@ -15,7 +15,7 @@ use physics::declare::Unit;
 
 /// Decrease of the score required for confirming a hypothesis. Derivation: the square of q of one output halves, so that the mistake
 /// accounts for more than it leaves.
-const FALL: f64 = 0.5 * std::f64::consts::LN_2;
+pub(super) const FALL: f64 = 0.5 * std::f64::consts::LN_2;
 /// Greatest number of simultaneous mistakes. Numerical: a limit of effort.
 const MOST: usize = 3;
 /// Greatest number of hypotheses confirmed for each, and of those about the same columns: the specimen deviates from the preset, so that
@@ -29,15 +29,12 @@ const MOST_POWER: f64 = 3.0;
 /// Common logarithm of the greatest factor of the interval between the rows. Limit: usual settings of a logger differ by tens.
 const INTERVALS: f64 = 1.25;
 
-/// Factor of time below which a preset of another size is no explanation. Limit: time constants of motors differ by tens, not by hundreds.
-const ANOTHER_SIZE: f64 = 1e-2;
-
 /// Greatest ratio of a value in another unit, and standard deviation of such a value relative to the present one. Limit: units differ by
 /// thousands.
 const ANY_ORDER: f64 = 2e3;
 
 /// q of (1) and the best ratio of reading to prediction, by output; `None` without readings.
-type Agreement = Vec<Option<(f64, f64)>>;
+pub(super) type Agreement = Vec<Option<(f64, f64)>>;
 
 /// Corrected mistake with the changed data and their prediction.
 pub(super) struct Changed {
@@ -102,36 +99,6 @@ pub(super) fn search(
     };
     let stretch = found.iter().map(|own| own[0].stretch(experiment.inputs.len())).sum();
     Ok(Some(Found { why, data: at, stretch }))
-}
-
-/// The unit of a time that is too long, if the model agrees with the data in that unit only. It makes every simulation of the data as they
-/// are long, and is therefore looked for before anything is fitted to them: in every run (`of` is `None`), or in one file.
-pub(super) fn wrong_time(
-    whole: &Judge,
-    experiment: &Experiment,
-    of: Option<(&str, &[usize])>,
-) -> Result<Option<Unusable>, CalibrateError> {
-    let (files, runs, most) =
-        of.map_or(("every run", whole.runs, ANOTHER_SIZE), |(file, runs)| (file, runs, SMALL));
-    let judge = &Judge { runs, ..whole.clone() };
-    let before = judge.outputs(experiment, &judge.predicted(experiment));
-    let is_shorter = |m: &Mistake| matches!(m, Mistake::Time(factor, _) if *factor < most);
-    let mut best: Option<(f64, Mistake, Experiment)> = None;
-    for mistake in mistakes(experiment).into_iter().filter(|m| worst(&before) > PART && is_shorter(m)) {
-        let mut data = experiment.clone();
-        mistake.apply(&mut data, judge.runs);
-        let after = judge.outputs(&data, &judge.predicted(&data));
-        let fall = score(&after) - score(&before);
-        let least = best.as_ref().map_or(-FALL, |(least, ..)| *least);
-        if fall < least && agrees_more(&before, &after) {
-            best = Some((fall, mistake, data));
-        }
-    }
-    let Some((_, mistake, data)) = best else { return Ok(None) };
-    let as_meant = fitted(whole, &data)?;
-    let agrees = !as_meant.is_cut && as_meant.bad_runs().is_empty();
-    let (channel, reason, suggestion) = mistake.words(experiment, files);
-    Ok(agrees.then_some(Unusable::new(&channel, reason, suggestion)))
 }
 
 /// Parameters of `[set]` and `[prior]` whose other value explains the unchanged data as well as the corrected mistakes: name, that value and
@@ -409,8 +376,17 @@ fn is_possible(changed: &Experiment, mistake: &Mistake) -> bool {
 
 /// Whether one output agrees better and no output that agreed is now far off.
 fn agrees_more(before: &Agreement, after: &Agreement) -> bool {
-    let pairs = || before.iter().flatten().zip(after.iter().flatten()).map(|((a, _), (b, _))| (*a, *b));
-    pairs().any(|(a, b)| b < PART && b < 0.5 * a) && !pairs().any(|(a, b)| a < PART && b > PART)
+    pairs(before, after).any(|(a, b)| b < PART && b < 0.5 * a) && !spoils(before, after)
+}
+
+/// Whether an output that agreed is now far off.
+pub(super) fn spoils(before: &Agreement, after: &Agreement) -> bool {
+    pairs(before, after).any(|(a, b)| a < PART && b > PART)
+}
+
+/// (1) of each output that has readings in both.
+fn pairs<'a>(before: &'a Agreement, after: &'a Agreement) -> impl Iterator<Item = (f64, f64)> + 'a {
+    before.iter().flatten().zip(after.iter().flatten()).map(|((a, _), (b, _))| (*a, *b))
 }
 
 /// Each input with the factor that gives the best agreement with the model.

@@ -5,7 +5,7 @@ use super::mistakes::{Mistake, mistakes};
 use super::search::Found;
 use super::{Judge, ROWS, is_of_one_motor, thinned};
 use crate::deadline::Deadline;
-use crate::experiment::{Experiment, Role};
+use crate::experiment::{Deviation, Experiment, Role};
 use crate::intake::tests::{
     CURRENT, HOUSING, SPEED, TORQUE, VOLTAGE, WINDING, column, experiment, reason, unusable, with_inputs,
 };
@@ -187,6 +187,33 @@ fn a_wrong_unit_of_one_file_is_named_as_one() {
     long.runs[1].table.time.iter_mut().for_each(|t| *t *= 1e3);
     let reason = reason(&mut long);
     assert!(reason.contains("time_s in run-2.csv") && reason.contains("times in ms"), "{reason}");
+}
+
+/// Times in a shorter unit are named also if the preset is far from the motor, so that no output agrees before the fit.
+#[test]
+fn a_time_that_no_run_of_a_bench_lasts_is_named() {
+    for (factor, wide, unit) in
+        [(1e3, 1.0, "times in ms"), (1e6, 1.0, "times in us"), (1e3, 1.6, "times in ms")]
+    {
+        let mut long = experiment(43);
+        for name in ["motor.R_ref", "thermal.C_h"] {
+            let setup = Setup::new(&long, &[]).unwrap();
+            let own = setup.declared.iter().find(|d| d.name == name).map(|d| d.prior);
+            drop(setup);
+            long.set.extend(own.map(|own| (name.to_string(), wide * own)));
+        }
+        long.priors.iter_mut().filter(|_| wide > 1.0).for_each(|p| p.deviation = Deviation::Relative(0.5));
+        long.runs.iter_mut().flat_map(|run| &mut run.table.time).for_each(|t| *t *= factor);
+        let reason = reason(&mut long);
+        assert!(reason.contains("time_s in every run") && reason.contains(unit), "{factor} {wide} {reason}");
+    }
+    // No unit makes it one of this motor.
+    let mut long = experiment(44);
+    long.runs.iter_mut().flat_map(|run| &mut run.table.time).for_each(|t| *t *= 1e5);
+    let columns = &mut long.runs[0].table.columns;
+    columns[WINDING].reverse();
+    let reason = reason(&mut long);
+    assert!(reason.contains("no run of a bench lasts longer than 30 days"), "{reason}");
 }
 
 /// A value of [set] that is ten times too great or too small, where the data agree with the model otherwise.
