@@ -153,7 +153,7 @@ def torque_words(answer: dict) -> str:
     most = 100.0 * max(abs(ratio - 1.0) for ratio in ratios)
     return f"""The torques of this table are computed as in the thesis: from the thermal resistance at 10 W, with the winding resistance and
         the ambient temperature of the tests (24.8 °C) in all columns. The tables below state the steady state of the model with the
-        winding at 155 °C, where it releases more than 10 W, with the winding resistance of the preset and an ambient temperature of
+        winding at 155 °C and the heat that it then releases, with the winding resistance of the preset and an ambient temperature of
         25 °C. Their torques at standstill differ from those of this table by up to {most:.0f} %."""
 
 

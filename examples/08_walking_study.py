@@ -305,7 +305,11 @@ def front_sentence(answer: dict) -> str:
         """The arrangement of the front with the largest torque among those that are not heavier."""
         return max((one for one in members if mass(one) <= mass(name)), key=torque)
 
-    worse = [f"{name} ({torque(name):.0f} N.m; {better(name)}, which is lighter: {torque(better(name)):.0f} N.m)" for name in others]
+    def instead(name: str) -> str:
+        relation = "is lighter" if mass(better(name)) < mass(name) else "has the same mass"
+        return f"{name} ({torque(name):.0f} N.m; {better(name)}, which {relation}: {torque(better(name)):.0f} N.m)"
+
+    worse = [instead(name) for name in others]
     return text + (f" Not on it: {listed(worse)}." if worse else "")
 
 
