@@ -269,18 +269,21 @@ fn effects_of_test_rigs_are_named() {
     }
 }
 
-/// An effect whose shape is far from the preset's ranks first, and is fitted.
+/// An effect whose shape is far from the preset's ranks first, and is fitted, also where a parameter takes over a part of it: a friction that
+/// falls with temperature, beside one that is constant.
 #[test]
 fn effects_of_another_shape_are_named() {
-    for (id, size, shape) in [
-        ("lubricant_friction", 2e-3, &[0.0, 0.02][..]),
-        ("lubricant_friction", 2e-3, &[0.1, 0.06]),
-        ("lubricant_friction", 1e-3, &[0.95, 0.05]),
-        ("speed_convection", 0.03, &[0.35]),
-        ("speed_convection", 0.02, &[1.15]),
+    let priors = format!("{PRIORS}\n\"effect.coulomb_friction.tau_c\" = 0.3");
+    // Last: by how many times the best form explains more than that of the preset, at least.
+    for (id, size, shape, times) in [
+        ("lubricant_friction", 2e-3, &[0.0, 0.02][..], 1.0),
+        ("lubricant_friction", 2e-3, &[0.1, 0.06], 5.0),
+        ("lubricant_friction", 1e-3, &[0.95, 0.05], 1.5),
+        ("speed_convection", 0.03, &[0.35], 3.0),
+        ("speed_convection", 0.02, &[1.15], 1.0),
     ] {
         let what = format!("{id} = {size} with {shape:?}");
-        let mut experiment = testing::driven_by(("current_A", 2.0, 190.0), &testing::OUTPUTS, PRIORS, true);
+        let mut experiment = testing::driven_by(("current_A", 2.0, 190.0), &testing::OUTPUTS, &priors, true);
         testing::read_of(&mut experiment, |setup| {
             let mut addition = testing::addition(setup, id, size);
             addition.numbers[1..].iter_mut().zip(shape).for_each(|(n, value)| n.value = *value);
@@ -292,6 +295,14 @@ fn effects_of_another_shape_are_named() {
         let listed = scored.iter().find(|s| s.listed).unwrap();
         assert_eq!(listed.addition.as_ref().map(|a| a.id.as_str()), Some(id), "{what}: {}", listed.name);
         assert_eq!(scored.iter().filter(|s| s.name == id).count(), 1, "{what}");
+        let (preset, _) = point.listed().find(|(_, forms)| forms[0].0.id == id).unwrap();
+        let preset = point.evidence.gain(&point.listed_column(preset, &[true]).unwrap()).unwrap();
+        assert!(
+            listed.evidence > times * preset.whitened - 30.0,
+            "{what}: {} {}",
+            listed.evidence,
+            preset.whitened
+        );
         let mut hypothesis = setup.preset();
         hypothesis.additions.extend(listed.addition.clone());
         let fitted = setup.fit_addition(hypothesis, &[0]).unwrap();
