@@ -23,7 +23,8 @@ use physics::terms::{Driver, Drivers, Port};
 const WAY: f64 = 1e-3;
 
 /// Error message if the parameters cannot be estimated.
-const INSEPARABLE: &str = "the parameters cannot be told apart by these runs";
+const INSEPARABLE: &str =
+    "the runs do not determine the parameters: state fewer of them in [prior], or smaller deviations";
 
 /// First-order estimates of the parameters.
 pub struct Estimated {
