@@ -5,8 +5,9 @@
 //!
 //! p is that of the fit runs and the validation runs; parameters are fitted to the fit runs alone.
 //! The acceptance tests, in this order: (1) decreases by more than 100, or than 10 if an effect is larger than structure error, or than 48 if
-//! it is listed and predicts the validation runs better by 10, both for white and for autocorrelated noise; sign and size are physical and no parameter reaches a limit; all runs agree on the size; -2 log p of the
-//! validation runs given the fit runs decreases. With the cost alone, effects would be found on every bench with drifting thermocouples.
+//! it is listed and predicts the validation runs better by 10 and no output of them worse, both for white and for autocorrelated noise; sign
+//! and size are physical and no parameter reaches a limit; all runs agree on the size; -2 log p of the validation runs given the fit runs
+//! decreases. With the cost alone, effects would be found on every bench with drifting thermocouples.
 
 mod companion;
 mod fitted;
@@ -28,7 +29,7 @@ use crate::search::{IN_SOME_RUNS, Scored, choice, variants};
 use crate::setup::BLOCKS;
 pub use companion::{beside, companion};
 use fitted::fitted;
-use gate::{Judged, gate, implausible};
+use gate::{Judged, gate, implausible, predicts_less};
 pub use gate::{asked, asked_for, predicts_where_it_acts};
 use instead::listed_instead;
 pub use known::Known;
@@ -81,15 +82,24 @@ pub struct Candidate<'a> {
 impl Candidate<'_> {
     /// Applies the acceptance tests; one that cannot be simulated in the validation runs is rejected. Result: whether it passes.
     fn judge(&mut self, before: &Linearization) -> bool {
-        self.judge_for(before, asked_for(before, &self.point, self.addition()))
+        let usual = asked(before, &self.point);
+        let judged = self.judged_for(before, asked_for(before, &self.point, self.addition()));
+        if self.refused.is_none() && self.sure() <= usual {
+            self.refused = predicts_less(before, &judged);
+        }
+        self.refused.is_none()
     }
 
     /// The same with this decrease of the cost asked for.
     fn judge_for(&mut self, before: &Linearization, asked: f64) -> bool {
+        self.judged_for(before, asked).refused.is_none()
+    }
+
+    fn judged_for(&mut self, before: &Linearization, asked: f64) -> Judged {
         let judged =
             gate(before, self, asked).unwrap_or_else(|e| Judged::refused(format!("cannot be judged: {e}")));
-        (self.validation, self.refused) = (judged.validation, judged.refused);
-        self.refused.is_none()
+        (self.validation, self.refused) = (judged.validation, judged.refused.clone());
+        judged
     }
 
     /// Evidence under the less favourable of the two noise models.

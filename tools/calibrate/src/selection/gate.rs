@@ -33,6 +33,8 @@ pub struct Judged {
     pub validation: Option<f64>,
     /// Reason for rejection.
     pub refused: Option<String>,
+    /// The output that is predicted worst compared with the prediction without it, and the ratio of the errors; `None` as above.
+    pub worst: Option<(usize, f64)>,
 }
 
 impl Judged {
@@ -100,7 +102,7 @@ pub fn gate(before: &Linearization, candidate: &Candidate, asked: f64) -> Result
     let refused = of_instruments.or(of_density).or(of_nothing).or(of_parts).or(of_output);
     // A listed effect may need a second one beside it; a law is what its table makes it, also beyond the data.
     let refused = if refused.is_none() && !addition.is_listed() { ends(before, candidate)? } else { refused };
-    Ok(Judged { validation, refused })
+    Ok(Judged { validation, refused, worst: validated.and_then(|v| v.worst) })
 }
 
 /// Sentence on a run that the model ends at a limit of validity with a law and not without: the motor was run to its last row. Of the
@@ -143,6 +145,15 @@ pub fn asked(before: &Linearization, with: &Linearization) -> f64 {
 /// The same for one addition.
 pub fn asked_for(before: &Linearization, with: &Linearization, addition: &Addition) -> f64 {
     enough(asked(before, with), addition, || with.delta_validation(before))
+}
+
+/// Sentence on an output that is predicted worse with a candidate for which less was asked, because it predicts: that holds of every output.
+pub fn predicts_less(point: &Linearization, judged: &Judged) -> Option<String> {
+    let (output, ratio) = judged.worst.filter(|(_, ratio)| *ratio > 1.0 + STRUCTURE)?;
+    let channel = point.setup.experiment.outputs[output].column;
+    Some(format!(
+        "explains less than {DECISIVE}, and {channel} is predicted worse: {ratio:.3} times the error without it"
+    ))
 }
 
 /// What is asked for by itself, or less for a listed effect with this decrease of -2 ln p of the validation runs: it has one form, and if it
@@ -241,6 +252,8 @@ struct Validated {
     seen: f64,
     /// The output that is predicted worst with it, and the ratio of its error to that without it, if structure error can hardly cause it.
     worse: Option<(usize, f64)>,
+    /// The same whatever causes it.
+    worst: Option<(usize, f64)>,
 }
 
 impl Validated {
@@ -256,10 +269,17 @@ impl Validated {
         let falls: Vec<f64> = (0..with.len()).map(fall).collect();
         let decreases = instruments::decreases(setup, runs, shown);
         let worse = worst(&with, &without, &falls, |k| decreases[k] < -1.0);
+        let worst = ratios(&with, &without).max_by(|a, b| a.1.total_cmp(&b.1));
         let seen = instruments::greatest(&decreases);
         let [with, without, fall] = [with, without, falls].map(|parts| parts.iter().sum());
-        Validated { with, without, fall, density: None, seen, worse }
+        Validated { with, without, fall, density: None, seen, worse, worst }
     }
+}
+
+/// Ratios of the errors of the outputs that have readings.
+fn ratios(with: &[f64], without: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+    let all = with.iter().zip(without).map(|(a, b)| (a / b).sqrt()).enumerate();
+    all.filter(|(_, ratio)| ratio.is_finite())
 }
 
 /// The output whose error grows most from sums of squares `without` to `with`, and the ratio, if neither structure error nor, by
@@ -270,8 +290,8 @@ fn worst(
     falls: &[f64],
     is_beyond: impl Fn(usize) -> bool,
 ) -> Option<(usize, f64)> {
-    let ratios = with.iter().zip(without).map(|(a, b)| (a / b).sqrt()).enumerate();
-    let worse = ratios.filter(|(k, ratio)| *ratio > 1.0 + PART && -falls[*k] > NEAR && is_beyond(*k));
+    let worse =
+        ratios(with, without).filter(|(k, ratio)| *ratio > 1.0 + PART && -falls[*k] > NEAR && is_beyond(*k));
     worse.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -360,6 +380,15 @@ mod tests {
         assert_eq!(enough(DECISIVE, &listed, || None), DECISIVE);
         assert_eq!(enough(DECISIVE, &law, || Some(90.0)), DECISIVE);
         assert_eq!(enough(LEAST, &listed, || Some(90.0)), LEAST);
+        let candidate = testing::candidate(&setup, listed, 60.0);
+        let said = |ratio: f64| {
+            predicts_less(&candidate.point, &Judged { worst: Some((2, ratio)), ..Judged::default() })
+        };
+        assert_eq!(said(1.0 + STRUCTURE), None);
+        let worse = said(1.1).unwrap();
+        assert!(worse.contains("winding_temperature_degC is predicted worse: 1.100 times"), "{worse}");
+        let all = ratios(&[4.0, 0.0, 9.0], &[1.0, 0.0, 4.0]).collect::<Vec<_>>();
+        assert_eq!(all, [(0, 2.0), (2, 1.5)]);
     }
 
     /// A listed effect and one of this run alone are not.
