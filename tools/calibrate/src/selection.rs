@@ -29,7 +29,7 @@ use crate::search::{IN_SOME_RUNS, Scored, choice, variants};
 use crate::setup::BLOCKS;
 pub use companion::{beside, companion};
 use fitted::fitted;
-use gate::{Judged, gate, implausible, predicts_less};
+use gate::{Judged, enough, gate, implausible, predicts_less};
 pub use gate::{asked, asked_for, predicts_where_it_acts};
 use instead::listed_instead;
 pub use known::Known;
@@ -83,7 +83,8 @@ impl Candidate<'_> {
     /// Applies the acceptance tests; one that cannot be simulated in the validation runs is rejected. Result: whether it passes.
     fn judge(&mut self, before: &Linearization) -> bool {
         let usual = asked(before, &self.point);
-        let judged = self.judged_for(before, asked_for(before, &self.point, self.addition()));
+        let asked = enough(usual, self.addition(), self.delta_validation);
+        let judged = self.judged_for(before, asked);
         if self.refused.is_none() && self.sure() <= usual {
             self.refused = predicts_less(before, &judged);
         }

@@ -24,7 +24,7 @@ impl Setup<'_> {
     /// The fit of a model with a new addition. Where a declared parameter ends at a limit, the cost has often a second minimum:
     /// two lags in series are the same in either order, and a lag of the winding is its heat capacity or its thermometer. The fit is
     /// then repeated with the declared parameters within a standard deviation of their priors at first, and the better one is returned.
-    /// The shape of a listed effect may be far from its start.
+    /// An effect with a shape gets more iterations, because its shape may be far from the start.
     ///
     /// # Errors
     /// The model's error if it cannot be simulated.

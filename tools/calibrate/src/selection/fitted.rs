@@ -73,7 +73,7 @@ fn fitted_as<'a>(
 
 /// A form of a listed effect, with the shape parameter that ended at a limit in the `fitted` one held at the preset's value, which has a source;
 /// `None` if none did. A limit is that of plausible values and no estimate.
-pub fn held(setup: &Setup, form: &Addition, fitted: &Addition) -> Option<Addition> {
+fn held(setup: &Setup, form: &Addition, fitted: &Addition) -> Option<Addition> {
     let mut form = form.clone();
     let Shape::Listed { slots, with, .. } = &mut form.shape else { return None };
     let stuck = fitted.numbers.iter().skip(1).find(|number| number.sloped && number.is_at_limit())?;

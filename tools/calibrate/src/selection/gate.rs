@@ -144,7 +144,7 @@ pub fn asked(before: &Linearization, with: &Linearization) -> f64 {
 
 /// The same for one addition.
 pub fn asked_for(before: &Linearization, with: &Linearization, addition: &Addition) -> f64 {
-    enough(asked(before, with), addition, || with.delta_validation(before))
+    enough(asked(before, with), addition, with.delta_validation(before))
 }
 
 /// Sentence on an output that is predicted worse with a candidate for which less was asked, because it predicts: that holds of every output.
@@ -158,9 +158,9 @@ pub fn predicts_less(point: &Linearization, judged: &Judged) -> Option<String> {
 
 /// What is asked for by itself, or less for a listed effect with this decrease of -2 ln p of the validation runs: it has one form, and if it
 /// predicts better by very strong evidence, it is enough that the model with it can be distinguished from the one without.
-fn enough(asked: f64, addition: &Addition, predicted: impl Fn() -> Option<f64>) -> f64 {
-    let is_predicted = || addition.is_listed() && predicted().is_some_and(|gain| gain >= LEAST);
-    if asked > ALIKE && is_predicted() { ALIKE } else { asked }
+pub fn enough(asked: f64, addition: &Addition, predicted: Option<f64>) -> f64 {
+    let is_predicted = addition.is_listed() && predicted.is_some_and(|gain| gain >= LEAST);
+    if asked > ALIKE && is_predicted { ALIKE } else { asked }
 }
 
 /// Whether an effect is larger than structure error can be: an output's mean square error in the fit runs halves, and what it falls by is
@@ -375,11 +375,11 @@ mod tests {
         let setup = Setup::new(&experiment, &[]).unwrap();
         let listed = testing::addition(&setup, "windage", 1e-8);
         let law = testing::law(Port::DragTorque, Follows::Driver(Driver::Speed));
-        assert_eq!(enough(DECISIVE, &listed, || Some(LEAST)), ALIKE);
-        assert_eq!(enough(DECISIVE, &listed, || Some(LEAST - 0.1)), DECISIVE);
-        assert_eq!(enough(DECISIVE, &listed, || None), DECISIVE);
-        assert_eq!(enough(DECISIVE, &law, || Some(90.0)), DECISIVE);
-        assert_eq!(enough(LEAST, &listed, || Some(90.0)), LEAST);
+        assert_eq!(enough(DECISIVE, &listed, Some(LEAST)), ALIKE);
+        assert_eq!(enough(DECISIVE, &listed, Some(LEAST - 0.1)), DECISIVE);
+        assert_eq!(enough(DECISIVE, &listed, None), DECISIVE);
+        assert_eq!(enough(DECISIVE, &law, Some(90.0)), DECISIVE);
+        assert_eq!(enough(LEAST, &listed, Some(90.0)), LEAST);
         let candidate = testing::candidate(&setup, listed, 60.0);
         let said = |ratio: f64| {
             predicts_less(&candidate.point, &Judged { worst: Some((2, ratio)), ..Judged::default() })
