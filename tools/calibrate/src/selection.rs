@@ -400,7 +400,7 @@ fn repeats(hypothesis: &Hypothesis, scored: &Scored) -> bool {
 
 /// The most promising candidates of each kind, with distinct effects, ports or drivers: ranked by evidence under both noise models, then
 /// for a first addition by evidence for white noise, which assumes no sensor drift. If a large missing effect biases the parameters, one of the
-/// rankings is misleading; beside an addition they are near their optimum.
+/// rankings is misleading; beside an addition they are near their optimum. If all of them are at one port, the best one elsewhere follows.
 fn choose(scored: &[Scored], is_first: bool) -> Vec<&Scored> {
     let mut chosen: Vec<&Scored> = Vec::new();
     let rankings = [(CANDIDATES, Scored::sure as fn(&Scored) -> f64), (FURTHER, |s: &Scored| s.raw)];
@@ -426,6 +426,14 @@ fn choose(scored: &[Scored], is_first: bool) -> Vec<&Scored> {
                 chosen.push(candidate);
             }
         }
+    }
+    // All of the best to first order may be at a port that the fits or the validation runs refuse.
+    if let Some(port) = chosen.first().map(|first| first.port)
+        && chosen.iter().all(|own| own.port == port)
+    {
+        let elsewhere = |s: &&Scored| s.port != port && s.addition.is_some() && s.sure() > LEAST;
+        let others = scored.iter().filter(elsewhere);
+        chosen.extend(others.max_by(|a, b| a.sure().total_cmp(&b.sure())));
     }
     // Whether the second driver of a law is needed is seen only beside the laws of one of them.
     let pair = chosen.iter().find(|s| matches!(s.follows, Follows::Both(..)));

@@ -51,6 +51,22 @@ fn variants_leave_room_for_other_effects() {
     assert_eq!(names.len() - 2, CANDIDATES[0] - 1, "{names:?}");
 }
 
+/// Candidates at one port alone are joined by the best one at another port, however far behind it is.
+#[test]
+fn another_port_is_tried() {
+    let experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let addition = || Some(crate::testing::addition(&setup, "windage", 1e-8));
+    let at = |port: Port, name: &str, sure: f64| Scored { port, ..scored(name, addition(), sure) };
+    let [own, other] = [Port::WindingResistance, Port::TorqueConstant];
+    let mut all = vec![at(own, "a", 900.0), at(own, "b", 800.0), at(other, "c", 40.0), at(other, "d", 60.0)];
+    let names = |all: &[Scored]| choose(all, false).iter().map(|s| s.name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&all), ["a", "b", "d"]);
+    all.push(at(Port::HousingHeat, "e", 500.0));
+    assert_eq!(names(&all), ["a", "b", "e"]);
+    assert_eq!(names(&[at(own, "a", 900.0), at(other, "c", 0.5 * LEAST)]), ["a"]);
+}
+
 /// Only a general law over the same driver at the same port is a repetition.
 #[test]
 fn a_second_law_over_the_same_driver_is_not_looked_for() {
