@@ -286,10 +286,9 @@ impl<'a> Search<'a> {
         let scored = &self.scored[0];
         let free = scored.iter().find(|s| s.is_free())?;
         let (before, after) = (self.first.evidence.cost(), self.point().evidence.cost());
-        let explained = before.0 - after.0;
         let ahead =
             |evidence: f64, explained: f64| evidence - explained > DECISIVE.max(STRUCTURE * evidence.abs());
-        (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1))
+        (ahead(free.evidence, before.0 - after.0) && ahead(free.raw, before.1 - after.1))
             .then(|| switched(scored, free))
     }
 
@@ -311,16 +310,16 @@ impl<'a> Search<'a> {
         if remembered.is_none()
             && let Some(free) = self.history().cloned()
         {
-            // A law with a better validation error is kept even if a residual remains.
-            if self.has_law() {
+            // What predicts the validation runs better is kept even if a residual remains.
+            if self.holds_beyond_the_fit() {
                 judgement.notes.push(format!(
-                    "beside the law that was added, a time-dependent input at {} explains more of the fit runs than any law: part of the \
-                     residual there remains unexplained",
+                    "beside what was added, a time-dependent input at {} explains more of the fit runs than any law: part of the residual \
+                     there remains unexplained",
                     free.port.name()
                 ));
             } else if !is_explained {
                 judgement.verdict = Verdict::Unexplained;
-                judgement.unexplained = Some(unexplained(&free, false));
+                judgement.unexplained = Some(judgement::unexplained(&free));
                 judgement.beside = self.beside(free.port, &self.first);
                 return Ok(judgement);
             }
@@ -335,7 +334,7 @@ impl<'a> Search<'a> {
         judgement.verdict = verdict;
         if let Some(free) = remembered {
             judgement.verdict = Verdict::Unexplained;
-            judgement.unexplained = Some(unexplained(&free, false));
+            judgement.unexplained = Some(judgement::unexplained(&free));
         } else if let Some(k) = unnamed {
             // The nonparametric shape estimated from the data, reported with the accepted law.
             let found = &effects[k];
@@ -349,7 +348,7 @@ impl<'a> Search<'a> {
             && rest.sure() > DECISIVE
         {
             judgement.verdict = Verdict::Unexplained;
-            judgement.unexplained = Some(unexplained(rest, false));
+            judgement.unexplained = Some(judgement::unexplained(rest));
         }
         judgement.effects = effects;
         if let Some(unexplained) = &judgement.unexplained {
@@ -388,6 +387,12 @@ impl<'a> Search<'a> {
     /// Whether an accepted law is outside the list of effects.
     fn has_law(&self) -> bool {
         self.rounds.iter().filter_map(Round::winner).any(|c| !c.addition().is_listed())
+    }
+
+    /// Whether a law or a listed effect of all runs was accepted: it also predicts runs to which it was not fitted.
+    fn holds_beyond_the_fit(&self) -> bool {
+        let holds = |c: &Candidate| !c.addition().is_listed() || c.addition().active.iter().all(|on| *on);
+        self.rounds.iter().filter_map(Round::winner).any(holds)
     }
 
     /// A model with the best parameters given a latent input at a port; `None` if that model cannot be simulated.
@@ -492,8 +497,4 @@ fn files(setup: &Setup, active: &[bool]) -> Vec<String> {
         }
     }
     all
-}
-
-fn unexplained(scored: &Scored, added: bool) -> Unexplained {
-    Unexplained { port: scored.port, follows: scored.follows, shape: scored.shape.clone(), added }
 }

@@ -3,6 +3,7 @@
 mod channel;
 mod clock;
 mod columns;
+mod drive;
 mod settings;
 mod shared_rows;
 mod stamp;
@@ -13,7 +14,6 @@ pub use channel::{CELSIUS, CHANNELS, Channel};
 pub use table::Table;
 
 use crate::CalibrateError;
-use physics::declare::Kind;
 use physics::model::{Declaration, ModelType};
 use serde::Deserialize;
 use settings::{parameter, settings};
@@ -257,8 +257,10 @@ impl Experiment {
             );
             return Err(place.at(head.inputs.first().map_or(0, |i| i.span().start), &message));
         }
+        let start = head.outputs.span().start;
+        drive::check(&inputs, &outputs).map_err(|message| place.at(start, &message))?;
         let mapped = columns::read(&document.columns, &place)?;
-        let mut set = modes(&inputs, declaration);
+        let mut set = drive::modes(&inputs, declaration);
         set.extend(settings(&document.set, &inputs, declaration, &place)?);
         let priors = priors_of(&document.prior, declaration, &place)?;
         let all: Vec<&'static Channel> = inputs.iter().chain(&outputs).copied().collect();
@@ -456,27 +458,6 @@ fn not_measured(
         })
     };
     names.iter().map(one).collect()
-}
-
-/// Modes of the model that follow from the input columns.
-fn modes(inputs: &[&'static Channel], declaration: &Declaration) -> Vec<(String, f64)> {
-    let has = |column: &str| inputs.iter().any(|c| c.column == column);
-    let drive = [
-        ("current_A", "current"),
-        ("duty_1", "pwm"),
-        ("electrical_power_W", "power"),
-        ("voltage_V", "voltage"),
-    ];
-    let drive = drive.iter().find(|(column, _)| has(column)).map(|(_, mode)| *mode);
-    let mechanical = if has("speed_rad_per_s") { "imposed_speed" } else { "free_shaft" };
-    [("drive_mode", drive), ("mechanical_mode", Some(mechanical))]
-        .into_iter()
-        .filter_map(|(name, item)| {
-            let Kind::Enumeration(table) = declaration.by_name(name)?.row.kind else { return None };
-            let item = table.items.iter().find(|i| Some(i.name) == item)?;
-            Some((name.to_string(), f64::from(item.value)))
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::intake::Mistake;
+use crate::levels::NEARLY;
 use physics::terms::{GenericTerm, Port};
 
 /// Error over noise up to which a model explains the data. Definition: of that statement.
@@ -359,6 +360,13 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// The ports at which a latent input explains nearly as much of the residual as at this one, or more.
+    pub fn ports_like(&self, port: Port) -> impl Iterator<Item = Port> {
+        let own = self.localised.iter().find(|one| one.port == port).map_or(f64::INFINITY, |one| one.share);
+        let is_near = move |one: &&Localised| one.port != port && one.share >= NEARLY * own;
+        self.localised.iter().filter(is_near).map(|one| one.port)
+    }
+
     /// Misfit in the fit and validation runs: sum of the log error variances of the outputs (normal density at the best variance).
     pub fn misfit(&self) -> f64 {
         let mut squares: Vec<(&str, f64)> = Vec::new();

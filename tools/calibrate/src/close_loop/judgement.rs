@@ -28,6 +28,11 @@ pub(super) fn verdict_on(effects: &[Found]) -> (Verdict, Option<usize>) {
     (verdict, law.map(|(k, _)| k))
 }
 
+/// What is left, as it was scored; no law was added for it.
+pub(super) fn unexplained(scored: &Scored) -> Unexplained {
+    Unexplained { port: scored.port, follows: scored.follows, shape: scored.shape.clone(), added: false }
+}
+
 /// Result of a search.
 pub struct Judgement<'a> {
     /// The verdict.

@@ -70,18 +70,6 @@ fn an_input_without_a_column_may_be_set() {
     assert!(limits.contains("coolant_flow_rate"), "{limits}");
 }
 
-#[test]
-fn the_drive_follows_from_the_inputs() {
-    for (input, drive) in
-        [("voltage_V", 1.0), ("duty_1", 2.0), ("current_A", 3.0), ("electrical_power_W", 4.0)]
-    {
-        let channel = Channel::of(input).unwrap();
-        let declaration = (physics::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
-        let found = modes(&[channel], declaration);
-        assert_eq!(found, [("drive_mode".to_string(), drive), ("mechanical_mode".to_string(), 1.0)]);
-    }
-}
-
 /// Each error names the line that causes it.
 #[test]
 fn what_cannot_be_is_named_with_file_and_line() {

@@ -1,7 +1,7 @@
 //! Verdict, effects and replay of closing the loop, as text.
 
 use calibrate::experiment::{Experiment, Role};
-use calibrate::outcome::{ChannelError, Estimate, Follows, Found, Outcome, Verdict};
+use calibrate::outcome::{ChannelError, Estimate, Follows, Found, Outcome, Unexplained, Verdict};
 pub use calibrate::report::words as plain;
 use calibrate::report::{Replay, column_words, driver_unit, role_words};
 use describe::{Driver, Factor, GenericTerm, Lag, Law, ModelType, Port, Resources, StartValues, usage};
@@ -291,23 +291,46 @@ fn times_the_noise(e: &ChannelError, ratio: f64) -> String {
     format!("{} is {} times the noise", error_of(e), rough(ratio))
 }
 
+/// What is known of a residual that is no function of the drivers.
+pub fn undescribed(found: &Unexplained, outcome: &Outcome) -> String {
+    let others: Vec<String> = outcome.ports_like(found.port).map(|own| port(own).to_owned()).collect();
+    let others = match &others[..] {
+        [] => String::new(),
+        others => format!(", or about as well of {}", list(others, "or")),
+    };
+    format!(
+        "something is left that is no function of the measured quantities or of their first-order lags, an effect with a memory or a mistake \
+         in the data; a change over time of {}{others} describes it best",
+        port(found.port)
+    )
+}
+
 /// The sentence on what no listed effect explains.
 fn unexplained(outcome: &Outcome) -> String {
     match &outcome.unexplained {
         Some(u) => {
             let laws: Vec<String> = outcome.effects.iter().filter_map(|e| e.term.as_ref()).map(law).collect();
+            let is_undescribed = u.follows == Follows::History;
             let given = if u.added {
                 format!("a law was added to the model: {}", list(&laws, "and"))
+            } else if laws.is_empty() && is_undescribed {
+                "nothing was added for it".to_owned()
             } else if laws.is_empty() {
                 "none was added, since it does not lower the validation error".to_owned()
             } else {
                 format!("a law that explains part of it was added to the model: {}", list(&laws, "and"))
             };
-            format!(
-                "an effect that is not in the list acts on {} and {}; {given}.",
-                port(u.port),
-                driver(u.follows)
-            )
+            let what = match is_undescribed {
+                true => undescribed(u, outcome),
+                false => {
+                    format!(
+                        "an effect that is not in the list acts on {} and {}",
+                        port(u.port),
+                        driver(u.follows)
+                    )
+                }
+            };
+            format!("{what}; {given}.")
         }
         None => "the model lacks an effect that is not in the list.".to_owned(),
     }

@@ -1,5 +1,6 @@
 //! Conversions of a column that its recording may lack: units, signs, powers of ten.
 
+use crate::comparison::digits;
 use crate::experiment::CELSIUS;
 use crate::experiment::units::{names, units};
 use crate::levels::{FACTOR, SMALL};
@@ -67,7 +68,7 @@ pub fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
             let words = if plain {
                 format!("readings in {as_meant}")
             } else {
-                format!("readings times {factor:.4} (as of {as_meant} and {as_stated})")
+                format!("readings times {} (as of {as_meant} and {as_stated})", digits(factor))
             };
             add(factor, meant.offset - factor * stated.offset, words);
         }

@@ -5,7 +5,9 @@ use super::figures::{driver_label, port_label, shape};
 use super::measurement;
 use super::numbers::{estimate, evidence, interval};
 use super::words::Words;
-use crate::close_loop::text::{attached, driver, is_value, law, list, number, plain, port, with_unit};
+use crate::close_loop::text::{
+    attached, driver, is_value, law, list, number, plain, port, undescribed, with_unit,
+};
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Estimate, Follows, Found, Outcome, Unexplained};
 use calibrate::report::driver_unit;
@@ -130,7 +132,10 @@ pub fn unexplained(found: &Unexplained, experiment: &Experiment, outcome: &Outco
     };
     html! {
         h2 { "Unexplained effect" }
-        p { "An effect acts on " (port(found.port)) " and " (driver(found.follows)) ". " (given)
+        p {
+            @if found.follows == Follows::History { (capital(&undescribed(found, outcome))) ". " }
+            @else { "An effect acts on " (port(found.port)) " and " (driver(found.follows)) ". " }
+            (given)
             @if let Some(power) = measurement::power(found, experiment, outcome) { " " (typeset(&power)) }
         }
         @if !found.shape.is_empty() { (plates(&[shape(found, outcome)])) }
