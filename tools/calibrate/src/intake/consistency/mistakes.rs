@@ -294,7 +294,7 @@ impl Mistake {
             }
             Mistake::Magnitude(k) => {
                 let reason = format!(
-                    "{} in {files} is never negative and contradicts the model; the same magnitude with both signs would agree",
+                    "{} in {files} is never negative, but for noise, and contradicts the model; the same magnitude with both signs would agree",
                     name(*k)
                 );
                 (name(*k), reason, format!("record {} with its sign", name(*k)))

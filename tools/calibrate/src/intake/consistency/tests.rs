@@ -30,10 +30,15 @@ fn a_load_without_its_sign_is_unusable() {
         (TORQUE, "shaft_torque_Nm"),
         (VOLTAGE, "voltage_V"),
     ] {
-        let mut magnitude = reversing(31);
-        column(&mut magnitude, k).iter_mut().for_each(|x| *x = x.abs());
-        let reason = reason(&mut magnitude);
-        assert!(reason.starts_with(channel) && reason.contains("never negative"), "{reason}");
+        // Exact, and with noise of both signs where it is near zero.
+        for noise in [0.0, 2e-3] {
+            let mut magnitude = reversing(31);
+            let own = column(&mut magnitude, k);
+            let most = own.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            own.iter_mut().enumerate().for_each(|(k, x)| *x = x.abs() + [1.0, -1.0][k % 2] * noise * most);
+            let reason = reason(&mut magnitude);
+            assert!(reason.starts_with(channel) && reason.contains("never negative"), "{noise}: {reason}");
+        }
     }
 }
 

@@ -46,7 +46,7 @@ pub(super) fn of(
     unmeasured.chain(without_sign(judge, experiment, predicted, &disagreeing)).collect()
 }
 
-/// Each column without negative readings with the signs that the model implies.
+/// Each column without negative readings, but for noise, with the signs that the model implies.
 fn without_sign(
     judge: &Judge,
     experiment: &Experiment,
@@ -60,7 +60,9 @@ fn without_sign(
             matches!(c.unit, Unit::Ampere | Unit::RadianPerSecond | Unit::NewtonMetre | Unit::Volt)
         });
         let readings = || judge.runs.iter().flat_map(|run| &experiment.runs[*run].table.columns[*k]);
-        has_sign && readings().any(|x| *x > 0.0) && !readings().any(|x| *x < 0.0)
+        let squares = |sign: f64| readings().filter(|x| sign * **x > 0.0).map(|x| x * x).sum::<f64>();
+        // A magnitude near zero has noise of both signs.
+        has_sign && squares(-1.0) < SMALL * SMALL * squares(1.0)
     };
     let changed = |column, data: Experiment, shown| Changed {
         score: 0.0,
