@@ -137,6 +137,13 @@ macro_rules! define {
         impl EffectPort {
             /// All ports except [`Any`](EffectPort::Any).
             pub const ALL: &'static [EffectPort] = &[$($(EffectPort::$port,)?)*];
+
+            /// Whether an effect there gets the present drivers at every stage of a step: its method has an argument `drivers`.
+            pub fn is_driven(self) -> bool {
+                const ARGUMENTS: &[(&[EffectPort], &[&str])] =
+                    &[$((&[$(EffectPort::$port)?], &[$(stringify!($argument)),*])),*];
+                ARGUMENTS.iter().any(|(port, arguments)| port.contains(&self) && arguments.contains(&"drivers"))
+            }
         }
 
         /// The ports at which any effect acts.
@@ -214,3 +221,25 @@ macro_rules! active {
 }
 
 ports!(define);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The driven ports are those whose methods have the drivers as an argument; data act at any.
+    #[test]
+    fn ports_with_drivers_are_driven() {
+        let driven: Vec<EffectPort> =
+            EffectPort::ALL.iter().copied().filter(|port| port.is_driven()).collect();
+        assert_eq!(
+            driven,
+            [
+                EffectPort::DrivenDrag,
+                EffectPort::DrivenVoltage,
+                EffectPort::SeriesVoltage,
+                EffectPort::WindingResistance,
+                EffectPort::DrivenTorqueConstant
+            ]
+        );
+    }
+}

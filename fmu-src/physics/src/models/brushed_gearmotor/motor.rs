@@ -1,7 +1,7 @@
 //! The gearmotor as [`Equations`] of the runtime: steps, states and events.
 
 use super::equations::{Constants, STATES, State, Step, Stored};
-use super::nodes::{LIST, Losses, NODES, WINDING};
+use super::nodes::{HOUSING, LIST, Losses, NODES, WINDING};
 use super::parameters::{Parameters, unserved};
 use super::variables::{Indicators, Inputs, Outputs};
 use crate::components::validity::Extremes;
@@ -82,7 +82,7 @@ impl BrushedGearmotor {
 
     /// Temperatures with limits of validity.
     fn extremes(&self) -> Extremes {
-        let (winding, magnets) = (self.own.state.temperature[0], self.own.state.temperature[1]);
+        let (winding, magnets) = (self.own.state.temperature[WINDING], self.own.state.temperature[HOUSING]);
         Extremes { winding, magnets, lowest: winding.min(magnets) }
     }
 }
@@ -140,7 +140,7 @@ impl Equations<STATES> for Gearmotor {
         let step = Step::new(parameters, constants, inputs, slopes, time);
         if let Err(failure) = split.advance(&step, state, h) {
             *state = before;
-            let now = [before.x[0], before.x[1], before.temperature[0]];
+            let now = [before.x[0], before.x[1], before.temperature[WINDING]];
             return Err(no_solution("gearmotor", time, &failure, now).into());
         }
         if run.own.constants.limits().are_passed(&run.extremes()) {
@@ -295,8 +295,8 @@ impl Equations<STATES> for Gearmotor {
             speed: x[1],
             current: x[0],
             load_torque: run.inputs.load_torque,
-            winding_temperature: temperature[0],
-            housing_temperature: temperature[1],
+            winding_temperature: temperature[WINDING],
+            housing_temperature: temperature[HOUSING],
             ambient_temperature: run.inputs.ambient_temperature,
             time: run.time,
             ..Drivers::default()

@@ -109,6 +109,13 @@ pub fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     if of == Unit::RadianPerSecond {
         // Electrical and mechanical speed of a motor with pole pairs.
         (2..=16).for_each(|pairs| add(1.0 / f64::from(pairs), 0.0, format!("speeds of {pairs} pole pairs")));
+        (2..=16).for_each(|pairs| {
+            add(
+                f64::from(pairs),
+                0.0,
+                format!("speeds times {pairs} (divided by the pole pairs once too often)"),
+            )
+        });
     }
     all
 }

@@ -18,8 +18,8 @@ pub(super) struct Cost {
     outputs: Vec<f64>,
     /// The part of the outputs that no zero of a thermometer explains ([`squares`]).
     shapes: Vec<f64>,
-    /// Sum of ln sigma over the outputs that were fitted.
-    width: f64,
+    /// ln sigma of each output as it was fitted.
+    widths: Vec<f64>,
     /// Sum of ln |dx/dy| over the outputs, y the readings as recorded and x those that were fitted.
     stretch: f64,
     /// Number of fitted runs.
@@ -44,7 +44,7 @@ impl Cost {
         Ok(Cost {
             outputs: setup.chi_squares(runs, &picked),
             shapes: (0..setup.outputs()).map(|k| shape(k) / setup.sigma(k).powi(2)).collect(),
-            width: (0..setup.outputs()).map(|k| setup.sigma(k).ln()).sum(),
+            widths: (0..setup.outputs()).map(|k| setup.sigma(k).ln()).collect(),
             stretch: 0.0,
             fitted: runs.len(),
             prior: fitted.cost - fitted.chi_square,
@@ -71,7 +71,16 @@ impl Cost {
     /// Difference of -2 ln p of the readings as recorded to that with another change of them, apart from the costs: a change that enlarges an
     /// output enlarges its structure error as well, and explains with it what it does not predict.
     pub(super) fn wider_than(&self, other: &Cost) -> f64 {
-        let own = |cost: &Cost| cost.width - cost.stretch;
+        self.wider(other, None)
+    }
+
+    /// The same without an output, which one of the two may lack.
+    fn wider(&self, other: &Cost, except: Option<usize>) -> f64 {
+        let widths = |cost: &Cost| -> f64 {
+            let all = cost.widths.iter().enumerate();
+            all.filter(|(k, _)| Some(*k) != except).map(|(_, width)| width).sum()
+        };
+        let own = |cost: &Cost| widths(cost) - cost.stretch;
         let wider = 2.0 * SAMPLES * self.fitted as f64 * (own(self) - own(other));
         if wider.is_finite() { wider } else { 0.0 }
     }
@@ -86,23 +95,25 @@ impl Cost {
     /// unrelated effect.
     pub(super) fn is_worse_than(&self, other: &Cost, factor: f64, except: Option<usize>) -> bool {
         let pairs = self.outputs.iter().zip(&other.outputs).enumerate().filter(|(k, _)| Some(*k) != except);
-        self.is_worse(other, factor, pairs.map(|(_, pair)| pair))
+        self.is_worse(other, factor, except, pairs.map(|(_, pair)| pair))
     }
 
     /// The same whatever the zeros of the thermometers.
     pub(super) fn is_worse_in_shape(&self, other: &Cost, factor: f64) -> bool {
-        self.is_worse(other, factor, self.shapes.iter().zip(&other.shapes))
+        self.is_worse(other, factor, None, self.shapes.iter().zip(&other.shapes))
     }
 
     fn is_worse<'a>(
         &self,
         other: &Cost,
         factor: f64,
+        except: Option<usize>,
         pairs: impl Iterator<Item = (&'a f64, &'a f64)>,
     ) -> bool {
         let pairs = pairs.filter(|(own, other)| (*own - *other).abs() > LEAST);
         let (own, meant) = pairs.fold((self.prior, other.prior), |(a, b), (own, other)| (a + own, b + other));
-        let (own, meant) = (own + self.wider_than(other).max(0.0), meant + other.wider_than(self).max(0.0));
+        let (own, meant) =
+            (own + self.wider(other, except).max(0.0), meant + other.wider(self, except).max(0.0));
         own > factor * meant && own > meant + DECISIVE
     }
 
@@ -193,7 +204,7 @@ pub(super) fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, Cal
     Ok(cost.unwrap_or_else(|_| Cost {
         outputs: vec![f64::MAX; ready.setup.outputs()],
         shapes: vec![f64::MAX; ready.setup.outputs()],
-        width: f64::NAN,
+        widths: vec![f64::NAN; ready.setup.outputs()],
         stretch: 0.0,
         fitted: ready.own.len(),
         prior: 0.0,

@@ -58,6 +58,8 @@ pub struct Constants {
     pub(super) iron_in_core: bool,
     /// Ports at which effects act.
     pub(super) acts: Acts,
+    /// Whether any effect gets the present drivers within a step.
+    pub(super) driven: bool,
     /// Whether no effect except a drag torque acts within a step.
     plain: bool,
     /// Limits of validity.
@@ -112,6 +114,7 @@ impl Constants {
             has_network: body.is_some(),
             iron_in_core: body.as_ref().is_some_and(|b| b.iron_in_stator),
             acts,
+            driven: EffectPort::ALL.iter().any(|port| port.is_driven() && acts.at(*port)),
             plain: !(chops || BRANCHES.iter().any(|port| acts.at(*port))),
             limits: parameters.limits(),
         }

@@ -1,7 +1,6 @@
 //! Quantities of the equations of current and speed that follow the drivers of terms, evaluated within a step.
 
 use super::{CORE, Step, Temperatures, WINDING};
-use crate::effects::EffectPort;
 use crate::solver::split::Fast;
 use crate::terms::{Driver, Drivers};
 
@@ -16,10 +15,10 @@ pub(super) struct DrivenSlopes {
 }
 
 impl<const FORM: u8> Step<'_, FORM> {
-    /// Whether terms may act on current and speed.
+    /// Whether effects at driven ports may act on current and speed.
     #[inline(always)]
     pub(super) fn is_driven(&self) -> bool {
-        !Self::PLAIN && self.constants.acts.at(EffectPort::DrivenDrag)
+        !Self::PLAIN && self.constants.driven
     }
 
     /// Drivers of the terms `t` seconds after the start of the step.
