@@ -13,7 +13,8 @@ mod header;
 mod number;
 mod text;
 
-use csv::{ReaderBuilder, StringRecord, Trim};
+pub use csv::StringRecord;
+use csv::{ReaderBuilder, Trim};
 use header::Place;
 use number::{Grouping, MANY, Mark, grouping, mark};
 use std::borrow::Cow;

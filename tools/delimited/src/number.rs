@@ -16,8 +16,9 @@ pub(crate) enum Grouping {
 pub(crate) fn grouping(cell: &str) -> Option<Grouping> {
     let digits = cell.trim_start_matches(['-', '+']);
     let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
-    if !digits.starts_with(|first: char| first.is_ascii_digit()) || digits == "0" {
-        // Blank, not a number in any notation, or zero.
+    let has_letters = digits.contains(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'));
+    if !digits.starts_with(|first: char| first.is_ascii_digit()) || digits == "0" || has_letters {
+        // Blank, not a number in any notation such as a unit (1/min), or zero.
         return Some(Grouping::None);
     }
     let mut groups = digits.split([',', '.']);
