@@ -44,7 +44,10 @@ impl Notation {
             let Some((first, second)) = day_and_month(&cell) else {
                 if let Some(fraction) = two_fields(&cell) {
                     found.has_minutes_first |= fraction;
-                    found.two_fields.get_or_insert(cell);
+                    // An example with a time other than zero is clearer.
+                    if found.two_fields.as_ref().is_none_or(|example| !example.contains(is_not_zero)) {
+                        found.two_fields = Some(cell);
+                    }
                 }
                 continue;
             };
@@ -78,6 +81,10 @@ impl Notation {
             "time_s = {cell} is read as hours and minutes; minutes and seconds need the hours as well, as in 0:{cell}"
         ))
     }
+}
+
+fn is_not_zero(c: char) -> bool {
+    matches!(c, '1'..='9')
 }
 
 /// Months of a year. Definition: of the calendar.
@@ -300,7 +307,11 @@ mod tests {
         let note = |cells: &[&str]| {
             Notation::of((2..).zip(cells.iter().map(|cell| (*cell).to_owned()))).unwrap().note()
         };
-        assert!(note(&["0:07"]).unwrap().starts_with("time_s = 0:07 is read as hours and minutes"));
+        assert!(
+            note(&["0:00", "0:07", "0:08"])
+                .unwrap()
+                .starts_with("time_s = 0:07 is read as hours and minutes")
+        );
         assert_eq!((note(&["0:07.5"]), note(&["0:00:07"]), note(&["2027-02-25 10:00"])), (None, None, None));
     }
 }

@@ -91,11 +91,15 @@ impl Table {
             dated: false,
             notes: text.remarks().iter().map(|remark| format!("{file}: {}", remark.message)).collect(),
         };
-        if let [first, ..] = text.repeated() {
-            let count = text.repeated().len();
-            table.notes.push(format!(
-                "{file}: the header is repeated in {count} rows, the first in line {first}; skipped"
-            ));
+        match text.repeated() {
+            [] => {}
+            [line] => table.notes.push(format!("{file}: line {line} repeats the header and is skipped")),
+            [first, .., last] => {
+                let count = text.repeated().len();
+                table.notes.push(format!(
+                    "{file}: {count} lines from {first} to {last} repeat the header and are skipped"
+                ));
+            }
         }
         let units = match text.rows().next() {
             Some(Ok(Row { line, cells })) => {

@@ -102,7 +102,7 @@ fn files_of_loggers_are_read_with_notes() {
         assert_eq!(table.columns[1], [300.0, 301.0, 301.0]);
         let parts = [
             "log.txt: the header is in line 3",
-            "the header is repeated in 1 rows, the first in line 7",
+            "line 7 repeats the header and is skipped",
             "line 4 is a row of units and is skipped; it gives time_s in ms, winding_temperature_degC in K",
         ];
         assert!(
