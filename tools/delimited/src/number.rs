@@ -1,7 +1,7 @@
 //! Decimal marks and thousands separators of the numbers of a table.
 
-/// Fewest numbers with a mark that decide. A program that omits trailing zeros writes three decimals in nine of ten numbers with at most three:
-/// all of 44 have them with a probability of 1 %.
+/// Fewest numbers with a mark that decide. A program that omits trailing zeros writes three decimals in nine of ten numbers with at most
+/// three: all of 44 have them with a probability of 1 %.
 pub(crate) const MANY: usize = 44;
 
 /// What a cell says of its column's mark.

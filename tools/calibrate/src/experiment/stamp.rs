@@ -67,7 +67,7 @@ impl Notation {
             Some((line, cell)) => Err((
                 line,
                 format!(
-                    "time_s = {cell} has day and month, and no date of the file shows which is first: write 2026-11-23 or, day first, 23.11.2026"
+                    "time_s = {cell}: no date of the file shows whether the day or the month is first; write 2026-11-23, or 23.11.2026 with the day first"
                 ),
             )),
             None => Ok(found),
@@ -282,7 +282,10 @@ mod tests {
             assert_eq!(last - first, days * DAY, "{cells:?}");
         }
         let (line, sentence) = stamps(&["04/04/2027 0:00", "04/05/2027 0:00"]).unwrap_err();
-        assert!(line == 3 && sentence.contains("time_s = 04/05/2027 0:00 has day and month"), "{sentence}");
+        assert!(
+            line == 3 && sentence.contains("time_s = 04/05/2027 0:00: no date of the file shows"),
+            "{sentence}"
+        );
         let (line, sentence) = stamps(&["13/04/2027 0:00", "04/14/2027 0:00"]).unwrap_err();
         assert!(line == 3 && sentence.contains("another order"), "{sentence}");
     }

@@ -54,7 +54,7 @@ fn cause(now: &Instant, back: f64, interval: f64) -> &'static str {
     } else if is_near(HALF_DAY) {
         "a 12-hour clock without AM and PM begins again after 12:59: record 24 hours, or AM and PM"
     } else if is_near(HOUR) {
-        "the clock was set back by one hour, as at the end of daylight saving time: record UTC, or the offset as in 2026-10-25T02:00:00+01:00"
+        "the clock was set back one hour, as at the end of daylight saving time: record UTC, or the offset (2026-10-25T02:00:00+01:00)"
     } else {
         "the clock of the logger was set back, or the rows are not in order: record the time in seconds since the start"
     }
