@@ -67,7 +67,7 @@ impl Notation {
             Some((line, cell)) => Err((
                 line,
                 format!(
-                    "time_s = {cell}: no date of the file shows whether the day or the month is first; write 2026-11-23, or 23.11.2026 with the day first"
+                    "time_s = {cell}: no date of the file shows if day or month is first; write 2026-11-23, or day first 23.11.2026"
                 ),
             )),
             None => Ok(found),
