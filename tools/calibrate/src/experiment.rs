@@ -288,7 +288,7 @@ impl Experiment {
             }
             let path = folder.join(&run.file);
             let blank = not_measured(&run.not_measured, &all[inputs.len()..], &run.file, &place)?;
-            let table = Table::read(&path, &all, &mapped, &blank)?;
+            let table = Table::read(&path, &all, inputs.len(), &mapped, &blank)?;
             let set = settings(&run.set, &inputs, declaration, &place)?;
             let own = priors_of(&run.prior, declaration, &place)?;
             for name in run.set.keys().chain(run.prior.keys()) {

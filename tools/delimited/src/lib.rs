@@ -1,15 +1,25 @@
 //! Delimited text (CSV) as loggers and spreadsheets write it.
 //!
 //! The encoding is UTF-8, UTF-16 with a byte order mark, or else Windows-1252. Columns are separated by semicolons, tabs or commas:
-//! the first of these that the header has. Where that is not the comma, numbers may have a decimal comma. Blank lines and lines
-//! that begin with `#` do not count. Blank cells behind the last named column do not count either. Thousands separators are refused where
-//! they cannot be distinguished from a decimal mark by one number alone, but by those of the column ([`Table::grouped`]).
+//! the first of these that the header has. Where that is not the comma, numbers may have a decimal comma; where it is, all numbers of a
+//! file may have one in quotation marks. Blank lines and lines that begin with `#` do not count. Blank cells behind the last named column
+//! do not count either. Thousands separators are refused where they cannot be distinguished from a decimal mark by one number alone, but by
+//! those of the column ([`Table::grouped`]).
+//!
+//! [`Table::parse`] takes the first line as the header. [`Table::with_names`] finds the header by the names that it has to have, below the
+//! lines that loggers write before it, and skips what an interrupted or restarted logger leaves in the file.
 
-use csv::{ReaderBuilder, StringRecord, Trim};
-use encoding_rs::{Encoding, UTF_8, WINDOWS_1252};
+mod header;
+mod number;
+mod text;
+
+pub use csv::StringRecord;
+use csv::{ReaderBuilder, Trim};
+use header::Place;
+use number::{Grouping, MANY, Mark, grouping, mark};
 use std::borrow::Cow;
-use std::path::Path;
-use std::{fmt, fs, io};
+use std::fmt;
+pub use text::{folder, read_text};
 
 /// What is wrong with a text, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,9 +40,12 @@ impl fmt::Display for Fault {
 #[derive(Clone, Debug)]
 pub struct Table {
     text: String,
-    separator: u8,
+    place: Place,
     header: Vec<String>,
-    line: u64,
+    /// Whether the numbers of a file with commas between columns have decimal commas, in quotation marks.
+    has_quoted_commas: bool,
+    repeated: Vec<u64>,
+    remarks: Vec<Fault>,
 }
 
 /// A row of a table.
@@ -45,29 +58,59 @@ pub struct Row {
 }
 
 impl Table {
-    /// The table of the bytes of a file.
+    /// The table of the bytes of a file, whose header is the first line that is neither blank nor a comment.
     ///
     /// # Errors
     /// An empty file, or one that is no text.
     pub fn parse(bytes: &[u8]) -> Result<Table, Fault> {
-        let fault = |message: &str| Fault { line: 1, message: message.to_owned() };
-        let text = decoded(bytes).into_owned();
-        if text.contains('\0') {
-            return Err(fault("the file is not text; a spreadsheet must be saved as CSV"));
+        let text = text::of_table(bytes);
+        text::check(&text)?;
+        let place = header::first(&text).ok_or_else(empty)?;
+        Ok(Table::at(text, place))
+    }
+
+    /// The table of the bytes of a file, whose header is the line that has these names: for each column those that it may have, first
+    /// the column that every row needs. A repeated header, and NUL bytes at the end, are skipped ([`Table::repeated`],
+    /// [`Table::remarks`]).
+    ///
+    /// # Errors
+    /// An empty file, or one that is no text.
+    pub fn with_names(bytes: &[u8], names: &[Vec<&str>]) -> Result<Table, Fault> {
+        let mut text = text::of_table(bytes);
+        let tail = text::remove_tail(&mut text);
+        text::check(&text)?;
+        let place = header::find(&text, names).ok_or_else(empty)?;
+        let before = |line: &&str| !line.trim().is_empty() && !line.starts_with('#');
+        let skipped = text[..place.start].lines().take(place.line as usize - 1).filter(before).count();
+        let repeated = header::remove_repeated(&mut text, place);
+        let mut table = Table::at(text, place);
+        if skipped > 0 {
+            let message = format!("the header is in line {}; the lines before it are skipped", place.line);
+            table.remarks.push(Fault { line: place.line, message });
         }
-        let head = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'));
-        let head = head.ok_or_else(|| fault("the file is empty"))?;
-        let separator = *b";\t,".iter().find(|mark| head.as_bytes().contains(mark)).unwrap_or(&b',');
-        let mut table = Table { text, separator, header: Vec::new(), line: 1 };
+        table.remarks.extend(tail);
+        table.repeated = repeated;
+        Ok(table)
+    }
+
+    fn at(text: String, place: Place) -> Table {
+        let mut table = Table {
+            text,
+            place,
+            header: Vec::new(),
+            has_quoted_commas: false,
+            repeated: Vec::new(),
+            remarks: Vec::new(),
+        };
         let first = table.records().next();
         if let Some(first) = first {
-            table.line = first.line;
             table.header = first.cells.iter().map(str::to_owned).collect();
             while table.header.last().is_some_and(String::is_empty) {
                 table.header.pop();
             }
         }
-        Ok(table)
+        table.has_quoted_commas = table.quotes_commas();
+        table
     }
 
     /// Names of the columns.
@@ -77,7 +120,17 @@ impl Table {
 
     /// Number of the header's line, from 1.
     pub fn header_line(&self) -> u64 {
-        self.line
+        self.place.line
+    }
+
+    /// Lines that repeat the header and are skipped: the logger was restarted and continued the file.
+    pub fn repeated(&self) -> &[u64] {
+        &self.repeated
+    }
+
+    /// What was skipped, apart from comments and repeated headers.
+    pub fn remarks(&self) -> &[Fault] {
+        &self.remarks
     }
 
     /// The rows below the header; one that does not fit the header is a fault.
@@ -98,12 +151,24 @@ impl Table {
         })
     }
 
-    /// A cell with a decimal point in place of a decimal comma.
+    /// A cell with a decimal point in place of a decimal comma, and a hyphen in place of a typographic minus.
     pub fn pointed<'c>(&self, cell: &'c str) -> Cow<'c, str> {
-        if self.has_decimal_comma() && cell.contains(',') && !cell.contains('.') {
-            return cell.replace(',', ".").into();
+        let has_comma = self.has_decimal_comma() && cell.contains(',') && !cell.contains('.');
+        match (has_comma, cell.contains(MINUS)) {
+            (false, false) => cell.into(),
+            (false, true) => cell.replace(MINUS, "-").into(),
+            (true, _) => cell.replace(',', ".").replace(MINUS, "-").into(),
         }
-        cell.into()
+    }
+
+    /// Why a cell that looks like a number is none: its thousands separators, or a decimal comma beside decimal points.
+    pub fn notation(&self, cell: &str) -> Option<&'static str> {
+        if number::has_thousands(cell) {
+            return Some("has a thousands separator: write numbers without thousands separators");
+        }
+        (mark(cell) == Mark::Comma).then_some(
+            "has a decimal comma, but other numbers of the file have decimal points: write one decimal mark",
+        )
     }
 
     /// A column whose decimal mark is a thousands separator (`5,432` beside `987`), which would be read as a number below 1000: every
@@ -131,7 +196,25 @@ impl Table {
     }
 
     fn has_decimal_comma(&self) -> bool {
-        self.separator != b','
+        self.place.separator != b',' || self.has_quoted_commas
+    }
+
+    /// Whether cells of a file with commas between columns have commas that are decimal ones, and no number has a decimal point.
+    fn quotes_commas(&self) -> bool {
+        if self.place.separator != b',' || !self.text.contains('"') {
+            return false;
+        }
+        let mut has_comma = false;
+        for row in self.records().skip(1) {
+            for cell in &row.cells {
+                match mark(cell) {
+                    Mark::Point => return false,
+                    Mark::Comma => has_comma = true,
+                    Mark::Unknown => {}
+                }
+            }
+        }
+        has_comma
     }
 
     /// Header and rows with the cells that they have.
@@ -142,10 +225,13 @@ impl Table {
             .flexible(true)
             .trim(Trim::All)
             .comment(Some(b'#'))
-            .delimiter(self.separator);
+            .delimiter(self.place.separator);
+        let (start, line) = (self.place.start, self.place.line);
         // Text in UTF-8 with rows of any length has no errors.
-        reader.from_reader(self.text.as_bytes()).into_records().flatten().map(|cells| {
-            let line = cells.position().map_or(1, |p| p.line() + self.skipped(p.byte() as usize));
+        reader.from_reader(&self.text.as_bytes()[start..]).into_records().flatten().map(move |cells| {
+            let line = cells
+                .position()
+                .map_or(line, |p| line - 1 + p.line() + self.skipped(start + p.byte() as usize));
             Row { line, cells }
         })
     }
@@ -158,64 +244,11 @@ impl Table {
     }
 }
 
-/// Fewest numbers with a mark that decide. A program that omits trailing zeros writes three decimals in nine of ten numbers with at most three:
-/// all of 44 have them with a probability of 1 %.
-const MANY: usize = 44;
+/// The minus sign of Unicode, which typesetting programs and some loggers write.
+const MINUS: char = '\u{2212}';
 
-/// What a cell says of its column's mark.
-enum Grouping {
-    None,
-    /// A whole number from 1 to 999.
-    Whole,
-    Thousands,
-}
-
-/// `None` for a number that has another decimal mark than a thousands separator.
-fn grouping(cell: &str) -> Option<Grouping> {
-    let digits = cell.trim_start_matches(['-', '+']);
-    let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
-    if !digits.starts_with(|first: char| first.is_ascii_digit()) || digits == "0" {
-        // Blank, not a number in any notation, or zero.
-        return Some(Grouping::None);
-    }
-    let mut groups = digits.split([',', '.']);
-    groups.next().filter(|lead| is_number(lead) && lead.len() <= 3 && !lead.starts_with('0'))?;
-    if !digits.contains([',', '.']) {
-        return Some(Grouping::Whole);
-    }
-    groups.all(|group| group.len() == 3 && is_number(group)).then_some(Grouping::Thousands)
-}
-
-/// The text of a file in any of these encodings, without its byte order mark: of a TOML file, too.
-///
-/// # Errors
-/// A file that cannot be read, or one that is no text.
-pub fn read_text(path: &Path) -> io::Result<String> {
-    let text = decoded(&fs::read(path)?).into_owned();
-    match text.contains('\0') {
-        true => Err(io::Error::new(
-            io::ErrorKind::InvalidData,
-            "the file is not text in UTF-8, UTF-16 with a byte order mark or Windows-1252",
-        )),
-        false => Ok(text),
-    }
-}
-
-/// The folder to which file names in the text of a file are relative: its own, or the present one where the text comes from a pipe
-/// (`/dev/stdin`, a process substitution of the shell).
-pub fn folder(path: &Path) -> &Path {
-    let is_pipe = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
-    path.parent().filter(|_| !is_pipe).unwrap_or(Path::new(""))
-}
-
-/// The text of the bytes of a file.
-fn decoded(bytes: &[u8]) -> Cow<'_, str> {
-    match Encoding::for_bom(bytes) {
-        Some((encoding, mark)) => encoding.decode_without_bom_handling(&bytes[mark..]).0,
-        None => UTF_8
-            .decode_without_bom_handling_and_without_replacement(bytes)
-            .unwrap_or_else(|| WINDOWS_1252.decode_without_bom_handling(bytes).0),
-    }
+fn empty() -> Fault {
+    Fault { line: 1, message: "the file is empty".to_owned() }
 }
 
 /// Name and unit of a header such as `n [rpm]` or `M (mN.m)`; no unit where it does not end in brackets.
@@ -229,132 +262,4 @@ pub fn name_and_unit(header: &str) -> (&str, Option<&str>) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TEXT: &str = "# Prüfstand\n\nt [s];U [V];\r\n0;1,5;\n\n# Pause\n\"1\"; -2.5 ;;\n";
-
-    #[test]
-    fn thousands_separators_are_seen_in_their_column() {
-        let column = |separator: &str, cells: &dyn Fn(u32) -> String| {
-            let rows: String = (0..200).map(|k| format!("{k}{separator}{}\n", cells(k))).collect();
-            Table::parse(format!("t{separator}n\n{rows}").as_bytes()).unwrap().grouped(1)
-        };
-        let grouped = |mark: char, n: u32| match n {
-            0..1000 => n.to_string(),
-            1000..1_000_000 => format!("{}{mark}{:03}", n / 1000, n % 1000),
-            _ => format!("{}{mark}{:03}{mark}{:03}", n / 1_000_000, n / 1000 % 1000, n % 1000),
-        };
-        let values: [fn(u32) -> u32; 3] = [|k| 41 * k, |k| 23 * k, |k| k * k * k];
-        for (separator, mark, value) in [(";", ',', 0), (";", '.', 0), (",", '.', 1), ("\t", ',', 2)] {
-            let sign = |k: u32| if k.is_multiple_of(3) { "-" } else { "" };
-            let signed = |k: u32| format!("{}{}", sign(k), grouped(mark, values[value](k)));
-            let fault = column(separator, &signed).unwrap();
-            assert!(fault.message.contains("thousands separator") && fault.line > 2, "{}", fault.message);
-        }
-        // Three decimals always; as many as needed; a small number of them; whole numbers alone; no number below 1000.
-        let cells: [&dyn Fn(u32) -> String; 5] = [
-            &|k| format!("{},{:03}", k / 50, k * 20 % 1000),
-            &|k| format!("{}", f64::from(k) / 8.0).replace('.', ","),
-            &|k| if k < 40 { format!("{},{}", k + 1, 100 + k) } else { k.to_string() },
-            &|k| (k * 40).to_string(),
-            &|k| format!("{},{:03}", 1 + k / 50, k * 20 % 1000),
-        ];
-        for (k, cells) in cells.iter().enumerate() {
-            assert_eq!(column(";", cells), None, "{k}");
-        }
-    }
-
-    /// What comes from a pipe has no folder of its own; a name alone is in the present one.
-    #[test]
-    fn names_are_relative_to_the_file_or_to_where_its_text_is_piped() {
-        let own = Path::new(env!("CARGO_MANIFEST_DIR"));
-        assert_eq!(folder(&own.join("Cargo.toml")), own);
-        assert_eq!(
-            [folder(Path::new("Cargo.toml")), folder(Path::new("a/missing"))],
-            [Path::new(""), Path::new("a")]
-        );
-        if cfg!(unix) {
-            assert_eq!(folder(Path::new("/dev/null")), Path::new(""));
-        }
-    }
-
-    /// As the two files of Excel on a German machine, a logger and PowerShell have it.
-    #[test]
-    fn encodings_separators_and_decimal_commas() {
-        let utf16: Vec<u8> =
-            "\u{feff}".encode_utf16().chain(TEXT.encode_utf16()).flat_map(u16::to_le_bytes).collect();
-        let windows: Vec<u8> = TEXT.chars().map(|c| c as u8).collect();
-        for bytes in [TEXT.as_bytes(), format!("\u{feff}{TEXT}").as_bytes(), &utf16, &windows] {
-            let table = Table::parse(bytes).unwrap();
-            assert_eq!(
-                (table.header(), table.header_line()),
-                (&["t [s]", "U [V]"].map(str::to_owned)[..], 3)
-            );
-            let rows: Vec<(u64, Vec<String>)> = table
-                .rows()
-                .map(|row| row.unwrap())
-                .map(|row| (row.line, row.cells.iter().map(|c| table.pointed(c).into_owned()).collect()))
-                .collect();
-            let expected = [(4, ["0", "1.5"]), (7, ["1", "-2.5"])];
-            assert_eq!(rows, expected.map(|(line, cells)| (line, cells.map(str::to_owned).to_vec())));
-        }
-        let gehäuse = Table::parse(b"Geh\xe4use [\xb0C],t\n1,2\n").unwrap();
-        assert_eq!(gehäuse.header()[0], "Gehäuse [°C]");
-        assert_eq!(gehäuse.pointed("1,5"), "1,5");
-    }
-
-    /// A TOML file as editors and shells write it; not a spreadsheet, and not UTF-16 without mark.
-    #[test]
-    fn text_of_any_encoding_is_read() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("sheet.toml");
-        let text = "# Prüfstand\nL = \"310 µH\"\n";
-        let little: Vec<u8> =
-            "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
-        let big: Vec<u8> =
-            "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_be_bytes).collect();
-        let windows: Vec<u8> = text.chars().map(|c| c as u8).collect();
-        for bytes in [text.as_bytes(), format!("\u{feff}{text}").as_bytes(), &little, &big, &windows] {
-            fs::write(&path, bytes).unwrap();
-            assert_eq!(read_text(&path).unwrap(), text);
-        }
-        for bytes in [&little[2..], b"PK\x03\x04\0\0"] {
-            fs::write(&path, bytes).unwrap();
-            assert!(read_text(&path).unwrap_err().to_string().contains("not text"));
-        }
-        assert!(read_text(&folder.path().join("none")).is_err());
-    }
-
-    #[test]
-    fn faults_have_lines() {
-        let fault = |text: &[u8]| match Table::parse(text) {
-            Err(fault) => fault.to_string(),
-            Ok(table) => table.rows().find_map(Result::err).map_or(String::new(), |f| f.to_string()),
-        };
-        assert_eq!(fault(b""), "line 1: the file is empty");
-        assert_eq!(fault(b"# only a comment\n\n"), "line 1: the file is empty");
-        assert!(fault(b"PK\x03\x04\0\0").contains("not text"));
-        let fits = "the row does not fit the header: it has";
-        assert_eq!(fault(b"a;b\n1;2\n\n1\n"), format!("line 4: {fits} 1 cells, the header has 2"));
-        assert!(
-            fault(b"a,b\n1,5,2,5\n")
-                .ends_with("(a file with decimal commas needs semicolons between columns)")
-        );
-        assert_eq!(fault(b"a,b\n1,2\n"), "");
-    }
-
-    #[test]
-    fn units_stand_in_brackets() {
-        for (header, parts) in [
-            ("n [rpm]", ("n", Some("rpm"))),
-            ("M(mN.m)", ("M", Some("mN.m"))),
-            (" w[1] [1/min] ", ("w[1]", Some("1/min"))),
-            ("T (top) [°C]", ("T (top)", Some("°C"))),
-            ("speed", ("speed", None)),
-            ("x []", ("x []", None)),
-        ] {
-            assert_eq!(name_and_unit(header), parts);
-        }
-    }
-}
+mod tests;

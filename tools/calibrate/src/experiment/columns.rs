@@ -21,6 +21,10 @@ pub struct Column {
     pub column: &'static str,
     /// Its unit in the file.
     pub unit: FileUnit,
+    /// The name of this unit.
+    pub unit_name: String,
+    /// Whether the experiment or the header states this unit; otherwise it is that of the column of the contract.
+    pub is_stated: bool,
 }
 
 /// Reads the columns of `[columns]`.
@@ -44,12 +48,13 @@ pub fn read(table: &BTreeMap<Spanned<String>, Value>, place: &Place) -> Result<V
         // The text in brackets may also be a remark.
         let in_brackets =
             delimited::name_and_unit(header.get_ref()).1.filter(|unit| units::is_unit(si, unit));
-        let stated =
-            unit.or(in_brackets).unwrap_or_else(|| units::names(si).first().copied().unwrap_or(si.name()));
+        let own = unit.or(in_brackets);
+        let stated = own.unwrap_or_else(|| units::names(si).first().copied().unwrap_or(si.name()));
         let unit = units::by_name(si, stated).ok_or_else(|| {
             place.at(at, &format!("{stated} is no unit of {name}; there is {}", units::names(si).join(", ")))
         })?;
-        Ok(Column { header: header.get_ref().clone(), column, unit })
+        let (unit_name, is_stated) = (stated.to_owned(), own.is_some());
+        Ok(Column { header: header.get_ref().clone(), column, unit, unit_name, is_stated })
     };
     table.iter().map(one).collect()
 }
