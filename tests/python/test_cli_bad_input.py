@@ -55,6 +55,10 @@ def test_a_setting_is_given_once(simulate, motor_fmu):
     one_sentence(motor_fmu("steady", "--set", "fan_command=0", "--set", "fan_command=1"), CANNOT, "fan_command", "two values: 0 and 1")
 
 
+def test_a_periodic_load_has_no_steady_state(motor_fmu):
+    one_sentence(motor_fmu("steady", "--model", "GaitLoad"), CANNOT, "GaitLoad is a periodic load", "--load")
+
+
 @pytest.mark.parametrize(("value", "code"), [("2,5", 0), ("2,500", CANNOT), ("1,2,3", CANNOT)])
 def test_decimal_comma(simulate, value, code):
     """A comma that may separate thousands is not guessed."""
