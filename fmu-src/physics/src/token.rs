@@ -2,8 +2,8 @@
 //!
 //! A token has 128 bits: the hash of the variable table, in which the last 64 bits are combined (exclusive or) with a fingerprint of the
 //! archive's contents. Start values have 32 bits of it, terms 16 and the load table 16; the bits of an empty content are zero, those of any
-//! other content are not. So the first 64 bits select the model, archives with different contents have different tokens, which importers that
-//! cache FMUs by their token need, and the token of an archive without contents is the hash of the variable table.
+//! other content are not. So the first 64 bits select the model, and archives with different contents have different tokens. Importers that
+//! cache FMUs by their token need this. The token of an archive without contents is the hash of the variable table.
 
 use crate::load_table::LoadTable;
 use crate::model::Entry;
