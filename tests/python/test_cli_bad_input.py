@@ -55,6 +55,10 @@ def test_a_setting_is_given_once(simulate, motor_fmu):
     one_sentence(motor_fmu("steady", "--set", "fan_command=0", "--set", "fan_command=1"), CANNOT, "fan_command", "two values: 0 and 1")
 
 
+def test_a_periodic_load_has_no_steady_state(motor_fmu):
+    one_sentence(motor_fmu("steady", "--model", "GaitLoad"), CANNOT, "GaitLoad is a periodic load", "--load")
+
+
 @pytest.mark.parametrize(("value", "code"), [("2,5", 0), ("2,500", CANNOT), ("1,2,3", CANNOT)])
 def test_decimal_comma(simulate, value, code):
     """A comma that may separate thousands is not guessed."""
@@ -152,8 +156,8 @@ def test_validate_reports_every_file_that_can_be_read(motor_fmu, archive_paths, 
     errors = [line for line in done.stderr.splitlines() if line.startswith("error")]
     assert len(errors) == 1 and "missing.fmu" in errors[0]
     listed = json.loads(motor_fmu("validate", "--json", missing, archive_paths[2], broken).stdout)
-    assert [sorted(entry) for entry in listed][:2] == [["error", "file"], ["file", "findings"]]
-    assert "missing.fmu" in listed[0]["error"] and listed[1]["findings"] == [] and len(listed) == 3
+    assert [sorted(entry) for entry in listed][:2] == [["error", "file", "findings"], ["file", "findings"]]
+    assert "missing.fmu" in listed[0]["error"] and listed[0]["findings"] == [] and listed[1]["findings"] == [] and len(listed) == 3
     two = motor_fmu("validate", missing, tmp_path / "another.fmu").stderr
     assert "missing.fmu" in two and "another.fmu" in two
 

@@ -3,6 +3,7 @@
 use crate::instance::{Instance, Interface, Part, Standard};
 use crate::logger::{Delivery, Log, Sink, Status};
 use crate::refusal::{Outcome, Refused};
+use crate::resources::Location;
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -157,10 +158,10 @@ fn made(
     if let Some(sentence) = instantiation.unsupported {
         return Err(Refused::error(sentence));
     }
-    let resources = resources.and_then(instantiation.locate);
+    let location = Location::new(resources, instantiation.locate);
     let log = Log::new(instantiation.sink, name, instantiation.logging_on);
     let kind = (instantiation.standard, instantiation.interface);
-    let mut instance = Instance::new(token, resources.as_deref(), kind, instantiation.part, log)?;
+    let mut instance = Instance::new(token, &location, kind, instantiation.part, log)?;
     instance.log_transition("instantiated");
     Ok(Box::new(instance))
 }

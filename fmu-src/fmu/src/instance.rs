@@ -13,8 +13,10 @@ mod values;
 pub use mode::{Interface, Mode, Standard, Type};
 pub use stepping::{Ended, IntermediateUpdate, IntermediateUpdates, Part, StepInParts, View};
 
+use crate::contents;
 use crate::logger::{CATEGORIES, Category, Log, Status, c_string};
 use crate::refusal::{Outcome, Refused};
+use crate::resources::Location;
 use cache::Cache;
 use physics::model::{Fault, Model, ModelType, Slot};
 use physics::resources::Resources;
@@ -22,7 +24,6 @@ use report::Report;
 use saturation::Saturation;
 use saving::SavedStates;
 use std::ffi::{CStr, CString};
-use std::path::Path;
 
 /// Relative tolerance if the importer defines none: that of `DefaultExperiment` in the model description.
 pub const DEFAULT_TOLERANCE: f64 = physics::model::TOLERANCE;
@@ -37,6 +38,8 @@ pub struct Instance {
     scratch: Option<Box<dyn Model>>,
     /// Resources of the archive.
     resources: Resources,
+    /// Fingerprints of the resources, for serialized states.
+    equations: [u64; 2],
     standard: Standard,
     interface: Interface,
     /// Optional features that the importer uses.
@@ -80,28 +83,18 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// An instance of the model with this token and the resources of its archive.
+    /// An instance of the model with this token and the resources of its archive at this location.
     pub fn new(
         token: Option<&str>,
-        resources: Option<&Path>,
+        location: &Location,
         (standard, interface): (Standard, Interface),
         part: Part,
         log: Log,
     ) -> Outcome<Instance> {
-        let Some(kind) = token.and_then(physics::models::by_token) else {
-            let known: Vec<String> = physics::models::ALL
-                .iter()
-                .map(|m| (m.declaration)())
-                .map(|d| format!("{} of {}", d.token, d.name))
-                .collect();
-            let token = token.unwrap_or("NULL");
-            return Err(Refused::error(format!(
-                "the token {token} is not known to this library, which has {}; modelDescription.xml is from another build.",
-                known.join(", ")
-            )));
-        };
-        let resources = resources.map_or(Ok(Resources::default()), terms::of_resources);
+        let (kind, contents) = contents::selected(token)?;
+        let resources = location.folder.as_deref().map_or(Ok(Resources::default()), terms::of_resources);
         let resources = resources.map_err(|error| Refused::error(format!("{error}.")))?;
+        contents::check(kind, contents, &resources, location, standard)?;
         let Some(mut model) = crate::new_model(kind, &resources) else {
             let load =
                 resources.load.as_ref().map(|_| format!("the load table of {}", terms::load::FILE_NAME));
@@ -130,6 +123,7 @@ impl Instance {
             scratch: None,
             elements: counted(model.as_mut()),
             model,
+            equations: physics::token::of_equations(&resources),
             resources,
             mode: Mode::Instantiated,
             window: (0.0, f64::INFINITY),

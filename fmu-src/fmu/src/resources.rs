@@ -1,6 +1,46 @@
 //! The resource folder of an archive from the importer's URI or path.
 
+use crate::instance::Standard;
 use std::path::PathBuf;
+
+/// Where the resources of the archive are.
+#[derive(Clone, Debug, Default)]
+pub struct Location {
+    /// Text from the importer; `None` for NULL.
+    given: Option<String>,
+    /// The folder of this text, which may not exist.
+    pub folder: Option<PathBuf>,
+}
+
+impl Location {
+    /// The location in the importer's text, which `locate` converts to a folder.
+    pub fn new(given: Option<&str>, locate: fn(&str) -> Option<PathBuf>) -> Location {
+        Location { given: given.map(str::to_owned), folder: given.and_then(locate) }
+    }
+
+    /// Why there are no data of this file: the second half of a sentence.
+    pub fn without(&self, file: &str, standard: Standard) -> String {
+        let Some(given) = &self.given else {
+            return "the importer passed no resource location (NULL)".to_owned();
+        };
+        if given.is_empty() {
+            return "the importer passed an empty resource location".to_owned();
+        }
+        match &self.folder {
+            None => format!("the resource location {given} is not a file URI with a path"),
+            Some(folder) if folder.join(file).exists() => {
+                format!("{} contains none", folder.join(file).display())
+            }
+            Some(folder) if folder.is_dir() => {
+                format!("the resource folder {} has no {file}", folder.display())
+            }
+            Some(_) if standard == Standard::Three && strip_scheme(given).is_some() => {
+                format!("the resource location {given} is a URI, and FMI 3 requires a path")
+            }
+            Some(folder) => format!("the resource folder {} does not exist", folder.display()),
+        }
+    }
+}
 
 /// The folder of an FMI 2 `fmuResourceLocation`, a URI of the scheme `file`. A plain path is accepted too, because importers
 /// pass it. `None` for an empty text or another scheme.

@@ -6,7 +6,7 @@ use physics::declare::Causality;
 use physics::model::Model;
 
 /// First bytes of every serialized state; the digit is the version of the format.
-const MAGIC: &[u8; 8] = b"motorfm7";
+const MAGIC: &[u8; 8] = b"motorfm8";
 
 /// Number of bytes of the checksum after it.
 const CHECKSUM: usize = size_of::<u32>();
@@ -37,28 +37,39 @@ pub struct Saved {
 }
 
 impl Saved {
-    /// Serializes the state: magic, checksum of the rest, interface, mode, token, count of numbers, and the numbers: start and stop time,
-    /// tolerance, last step, number of discrete outputs, their pre values, the model.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    /// Serializes the state: magic, checksum of the rest, interface, mode, length of the identity, identity, count of numbers, and the
+    /// numbers: start and stop time, tolerance, last step, number of discrete outputs, their pre values, the model.
+    ///
+    /// The identity is that of the equations: token of the variable table, fingerprints of terms and load table. The start values are not
+    /// part of it, because the state contains all values.
+    pub fn to_bytes(&self, equations: [u64; 2]) -> Vec<u8> {
         let (window, discrete) = (self.window, self.discrete_pre.len() as f64);
         let mut numbers = vec![window.0, window.1, self.tolerance, self.last_step, discrete];
         numbers.extend(&self.discrete_pre);
         self.model.save(&mut numbers);
-        let token = self.model.declaration().token.as_bytes();
-        let mut bytes = Vec::with_capacity(MAGIC.len() + CHECKSUM + 10 + token.len() + 8 * numbers.len());
+        let token = self.model.declaration().token.to_string();
+        let length = token.len() + size_of_val(&equations);
+        let mut bytes = Vec::with_capacity(MAGIC.len() + CHECKSUM + 10 + length + 8 * numbers.len());
         bytes.extend(MAGIC);
         bytes.extend([0; CHECKSUM]);
         bytes.extend([self.interface as u8, self.mode as u8]);
-        bytes.extend((token.len() as u32).to_le_bytes());
-        bytes.extend(token);
+        bytes.extend((length as u32).to_le_bytes());
+        bytes.extend(token.as_bytes());
+        equations.iter().for_each(|fingerprint| bytes.extend(fingerprint.to_le_bytes()));
         bytes.extend((numbers.len() as u32).to_le_bytes());
         numbers.iter().for_each(|n| bytes.extend(n.to_le_bytes()));
         seal(&mut bytes);
         bytes
     }
 
-    /// Deserializes the bytes of [`to_bytes`](Saved::to_bytes) for an instance of the model `like` with this interface type.
-    pub fn from_bytes(bytes: &[u8], like: &dyn Model, interface: Interface) -> Outcome<Saved> {
+    /// Deserializes the bytes of [`to_bytes`](Saved::to_bytes) for an instance of the model `like` with these equations and
+    /// this interface type.
+    pub fn from_bytes(
+        bytes: &[u8],
+        like: &dyn Model,
+        equations: [u64; 2],
+        interface: Interface,
+    ) -> Outcome<Saved> {
         let bad = |why: &str| Refused::error(format!("the serialized state of {} bytes {why}.", bytes.len()));
         let mut rest = bytes;
         let mut take = |n: usize| -> Outcome<&[u8]> {
@@ -78,9 +89,19 @@ impl Saved {
             return Err(bad("belongs to an instance of another interface"));
         }
         let mode = Mode::from_number(take(1)?[0]).ok_or_else(|| bad("is damaged"))?;
-        let token_length = length(take(4)?);
-        if take(token_length)? != like.declaration().token.as_bytes() {
+        let identity = length(take(4)?);
+        let (token, found) = take(identity)?.split_last_chunk::<16>().ok_or_else(|| bad("is damaged"))?;
+        if token != like.declaration().token.to_string().as_bytes() {
             return Err(bad("belongs to another model"));
+        }
+        let [terms, load] = [0, 8].map(|k| found[k..k + 8] == equations[k / 8].to_le_bytes());
+        if !terms {
+            return Err(bad(
+                "belongs to a model with other terms (resources/effects.json), so its equations are others",
+            ));
+        }
+        if !load {
+            return Err(bad("belongs to a model with another load table (resources/load.json)"));
         }
         let count = length(take(4)?);
         let numbers: Vec<f64> = take(count.saturating_mul(8))?

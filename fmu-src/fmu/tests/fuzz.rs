@@ -99,7 +99,7 @@ impl TestInstance {
             logging: rng.coin(),
             event_mode: rng.coin(),
             early_return: rng.coin(),
-            resources: None,
+            ..Options::default()
         };
         let look = looker(Source::new(rng.next()), references.clone());
         let look = (rng.below(3) == 0).then_some((&seen[..], look));

@@ -6,8 +6,8 @@ use crate::common::{
 use crate::counting::allocations;
 use motor_fmu::logger::{ALL, CATEGORIES, Category, Status, c_string, escaped};
 
-const SILENT: Options = Options { logging: false, event_mode: false, early_return: false, resources: None };
-const EVENTS: Options = Options { logging: true, event_mode: true, early_return: true, resources: None };
+const SILENT: Options = Options { logging: false, ..LOGGED };
+const EVENTS: Options = Options { event_mode: true, early_return: true, ..LOGGED };
 
 /// A motor that heats beyond the limit of its winding: an event in every mode.
 const HOT: [(&str, f64); 4] = [

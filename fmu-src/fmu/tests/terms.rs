@@ -1,7 +1,10 @@
 //! Terms that are data, from the archive's resources to the motor, through the C functions of both standards.
 
-use crate::common::{CS2, CS3, How, Importer, MOTOR, Message, Options, Succeeds, filled};
+use crate::common::{CS2, CS3, How, Importer, KINDS, LOGGED, ME3, MOTOR, Message, Options, Succeeds, filled};
+use motor_fmu::logger::Status;
 use motor_fmu::resources::{of_path, of_uri};
+use physics::model::ModelType;
+use physics::token::Contents;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -25,6 +28,19 @@ const DROP: &str = r#"{"format": "motor-fmu effects 1", "terms": [
 fn located(how: How, resources: &str) -> Result<Importer, Vec<Message>> {
     let options = Options { resources: Some(resources), ..Options::default() };
     Importer::tried(MOTOR, how, options, None)
+}
+
+/// Contents with start values, terms or a load table.
+const STARTS: Contents = Contents { starts: 7, terms: 0, load: 0 };
+const TERMS: Contents = Contents { starts: 0, terms: 7, load: 0 };
+const LOAD: Contents = Contents { starts: 0, terms: 0, load: 7 };
+
+/// The message of an instantiation that the library refuses.
+fn refusal(kind: &ModelType, how: How, contents: Contents, resources: Option<&str>) -> String {
+    let options = Options { resources, contents, ..Options::default() };
+    let messages = Importer::tried(kind, how, options, None).err().expect("no instance");
+    assert_eq!(messages.len(), 1, "{messages:?}");
+    messages[0].text.clone()
 }
 
 /// The current a tenth of a millisecond after 6 V are switched on: the rotor has hardly moved.
@@ -126,6 +142,114 @@ fn resources_without_terms_are_fine_and_broken_terms_are_not() {
     {
         assert!(messages[0].text.contains(word), "{word} in {messages:?}");
     }
+}
+
+/// An archive whose data are missing would silently be another model, whatever the importer passes as location.
+#[test]
+fn missing_terms_and_a_missing_load_table_are_refused_with_the_cause() {
+    let walker = physics::models::by_name("GaitLoad").unwrap();
+    let empty = tempfile::tempdir().unwrap();
+    let empty = empty.path().to_str().unwrap();
+    let (as_uri, as_path) = (format!("file://{empty}"), format!("{empty}/"));
+    let nothing = resources(r#"{"format": "motor-fmu effects 1", "terms": []}"#);
+    let nothing = nothing.path().to_str().unwrap();
+    let common = [
+        (None, "passed no resource location (NULL)"),
+        (Some(""), "passed an empty resource location"),
+        (Some("/no/such/folder/"), "the resource folder /no/such/folder/ does not exist"),
+        (Some(as_path.as_str()), "has no FILE"),
+    ];
+    let two = [
+        (Some("http://host/r"), "the resource location http://host/r is not a file URI with a path"),
+        (Some("file:///no/such"), "the resource folder /no/such does not exist"),
+        (Some(as_uri.as_str()), "has no FILE"),
+    ];
+    let three = [
+        (
+            Some("file:///no/such"),
+            "the resource location file:///no/such is a URI, and FMI 3 requires a path",
+        ),
+        (Some(as_uri.as_str()), "is a URI, and FMI 3 requires a path"),
+    ];
+    for how in KINDS {
+        let own: &[_] = if how.0 { &three } else { &two };
+        for (location, cause) in common.iter().chain(own) {
+            for (kind, contents, file) in [(MOTOR, TERMS, "effects.json"), (walker, LOAD, "load.json")] {
+                let text = refusal(kind, how, contents, *location);
+                let name = (kind.declaration)().name;
+                assert!(text.contains(&format!("{name} was built with the ")), "{text}");
+                assert!(text.contains(&format!("resources/{file}, but ")), "{text}");
+                assert!(text.contains(&cause.replace("FILE", file)), "{cause}: {text}");
+            }
+        }
+        let text = refusal(MOTOR, how, TERMS, Some(nothing));
+        assert!(text.contains("effects.json contains none"), "{text}");
+    }
+}
+
+/// A user may replace the file of an archive and add one, without a compiler.
+#[test]
+fn other_terms_and_added_terms_are_accepted() {
+    let folder = resources(DROP);
+    let located = |contents| {
+        let uri = uri(&folder);
+        Importer::instantiated(MOTOR, CS2, Options { resources: Some(&uri), contents, ..LOGGED })
+    };
+    let [added, replaced] = [Contents::default(), TERMS].map(|contents| current(&located(contents)));
+    assert_eq!(added.to_bits(), replaced.to_bits());
+    assert!(added < 0.7 * current(&Importer::motor(CS2)));
+}
+
+#[test]
+fn a_description_with_other_start_values_than_the_library_is_refused() {
+    for how in KINDS {
+        let text = refusal(MOTOR, how, STARTS, None);
+        assert!(text.contains("AnnulusCooledMotor: the token {"), "{text}");
+        assert!(text.contains("other start values than those in this library"), "{text}");
+        assert!(text.contains("different builds"), "{text}");
+    }
+}
+
+/// The terms and the load table are part of the equations: with others, the numbers of a state mean something else.
+#[test]
+fn a_state_of_other_equations_is_refused() {
+    let half = DROP.replace("2.0", "1.0");
+    let folders = [resources(DROP), resources(&half)];
+    for how in [CS2, ME3] {
+        let [full, half] = folders.each_ref().map(|folder| {
+            let options = Options { resources: folder.path().to_str(), ..LOGGED };
+            Importer::instantiated(MOTOR, how, options)
+        });
+        let plain = Importer::motor(how);
+        for motor in [&full, &half, &plain] {
+            motor.initialize();
+        }
+        for (from, to) in [(&full, &half), (&half, &plain), (&plain, &full)] {
+            to.heard();
+            assert_eq!(to.read(&from.save().bytes()).err(), Some(Status::Error));
+            let text = &to.said()[0].text;
+            assert!(text.contains("other terms (resources/effects.json)"), "{text}");
+            assert!(to.read(&to.save().bytes()).is_ok());
+        }
+    }
+    let walker = physics::models::by_name("GaitLoad").unwrap();
+    let tables = ["[[0, 1, 2]]", "[[0, 1, 3]]"].map(|rows| {
+        let folder = tempfile::tempdir().unwrap();
+        let text = format!(r#"{{"format": "motor-fmu load 1", "period": 1, "rows": {rows}}}"#);
+        std::fs::write(folder.path().join(terms::load::FILE_NAME), text).unwrap();
+        folder
+    });
+    let [one, two] = tables.each_ref().map(|folder| {
+        let path = folder.path().to_str();
+        let load = Importer::instantiated(walker, CS3, Options { resources: path, contents: LOAD, ..LOGGED });
+        load.initialize();
+        load
+    });
+    two.heard();
+    assert_eq!(two.read(&one.save().bytes()).err(), Some(Status::Error));
+    let text = &two.said()[0].text;
+    assert!(text.contains("another load table (resources/load.json)"), "{text}");
+    assert!(one.read(&one.save().bytes()).is_ok());
 }
 
 #[test]

@@ -24,5 +24,6 @@ pub mod slopes;
 pub mod solver;
 pub mod start_values;
 pub mod terms;
+pub mod token;
 
 pub use declare;

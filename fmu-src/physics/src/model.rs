@@ -4,6 +4,7 @@ use crate::exchange::Exchange;
 pub use crate::fault::Fault;
 use crate::load_table::LoadTable;
 use crate::terms::{Drivers, GenericTerm};
+use crate::token::Token;
 use declare::{Causality, Elements, Kind, State, Variability, Variable};
 use std::collections::BTreeSet;
 use std::fmt;
@@ -89,8 +90,8 @@ pub struct Declaration {
     pub indicators: Vec<usize>,
     /// The parameters that give the number of elements of a variable: indices of their entries.
     pub dimensions: Vec<usize>,
-    /// Hash of the variable table without the start values: FMI 2 GUID and FMI 3 instantiation token.
-    pub token: String,
+    /// Hash of the variable table: FMI 2 GUID and FMI 3 instantiation token of an archive without start values, terms and load table.
+    pub token: Token,
     by_reference: Vec<Option<u32>>,
     /// Name and value reference of the variables of shared components that the model omits, with the reason.
     unserved: Vec<(String, u32, &'static str)>,
@@ -140,7 +141,7 @@ impl Declaration {
         for (k, entry) in entries.iter().enumerate() {
             by_reference[entry.value_reference as usize] = Some(k as u32);
         }
-        let token = token(name, &entries);
+        let token = Token::of_table(name, &entries);
         Declaration {
             name,
             description,
@@ -215,43 +216,6 @@ fn enter_states(entries: &mut Vec<Entry>, states: &'static [State]) -> Vec<[usiz
         }
     }
     places
-}
-
-/// The FNV-1a hash, twice with different offsets, over everything that must be equal in a binary and its XML.
-fn token(name: &str, entries: &[Entry]) -> String {
-    let mut text = String::from(name);
-    for e in entries {
-        let r = e.row;
-        text.push_str(&format!(
-            "|{} {} {:?} {:?} {} {} {} {}",
-            e.value_reference,
-            e.name,
-            r.causality,
-            r.variability,
-            r.unit.name(),
-            r.min,
-            r.max,
-            match r.kind {
-                Kind::Real => "real".to_string(),
-                Kind::Integer => "integer".to_string(),
-                Kind::Boolean => "boolean".to_string(),
-                Kind::Enumeration(t) => t.items.iter().map(|i| format!("{}={},", i.name, i.value)).collect(),
-            }
-        ));
-    }
-    let hash = |offset: u64| {
-        text.bytes().fold(offset, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
-    };
-    let (a, b) = (hash(0xcbf2_9ce4_8422_2325), hash(0x6c62_272e_07bb_0142));
-    // In the format of a GUID, which FMI 2 importers expect.
-    format!(
-        "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
-        a >> 32,
-        (a >> 16) & 0xffff,
-        a & 0xffff,
-        b >> 48,
-        b & 0xffff_ffff_ffff
-    )
 }
 
 /// Value reference of the independent variable, time, in every model.

@@ -104,13 +104,12 @@ pub fn build_all(
     let (starts, experiment) = describe::experiment::of(kind, &starts, &resources, given);
     let binaries =
         libraries.par_iter().map(|library| binary(library, &starts)).collect::<Result<Vec<_>, _>>()?;
-    let (found, common) = rayon::join(
-        || Dependencies::of(kind, &resources, &starts),
-        || common(&Native { kind, starts: &starts, resources: &resources }, contents),
-    );
+    let native = Native { kind, starts: &starts, resources: &resources };
+    let (found, common) =
+        rayon::join(|| Dependencies::of(kind, &resources, &starts), || common(&native, contents));
     let write = |standard: &Standard| {
         let path = archive_path(out, *standard, name);
-        let bytes = pack(&entries(kind, *standard, &starts, &found, experiment, &binaries, &common));
+        let bytes = pack(&entries(&native, *standard, &found, experiment, &binaries, &common));
         let written = bytes.and_then(|bytes| {
             fs::create_dir_all(path.parent().unwrap_or(out))?;
             fs::write(&path, bytes)
@@ -218,19 +217,18 @@ fn common(native: &Native<'_>, contents: Contents<'_>) -> Vec<(String, Vec<u8>)>
 }
 
 fn entries<'a>(
-    kind: &ModelType,
+    native: &Native<'_>,
     standard: Standard,
-    starts: &StartValues,
     found: &Dependencies,
     experiment: Experiment,
     binaries: &'a [(Platform, Vec<u8>)],
     common: &[(String, Vec<u8>)],
 ) -> Vec<File<'a>> {
-    let declaration = (kind.declaration)();
+    let (declaration, starts, resources) = ((native.kind.declaration)(), native.starts, native.resources);
     let name = declaration.name;
     let description = match standard {
-        Standard::Fmi2 => fmi2::model_description(declaration, starts, found, experiment),
-        Standard::Fmi3 => fmi3::model_description(declaration, starts, found, experiment),
+        Standard::Fmi2 => fmi2::model_description(declaration, starts, resources, found, experiment),
+        Standard::Fmi3 => fmi3::model_description(declaration, starts, resources, found, experiment),
     };
     let licenses = "documentation/licenses";
     let mut files = vec![file("modelDescription.xml", description)];

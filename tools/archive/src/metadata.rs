@@ -76,7 +76,8 @@ pub fn document(native: &Native<'_>, made_of: MadeOf<'_>) -> String {
 
 fn model(native: &Native<'_>, made_of: MadeOf<'_>) -> Vec<(String, String)> {
     let declaration = (native.kind.declaration)();
-    let mut entries = vec![("model", declaration.name.to_owned()), ("token", declaration.token.clone())];
+    let token = describe::token(declaration, native.starts, native.resources);
+    let mut entries = vec![("model", declaration.name.to_owned()), ("token", token.to_string())];
     match made_of.preset {
         Some(preset) => entries
             .extend([("preset", preset.name.clone()), ("preset description", preset.description.clone())]),

@@ -67,7 +67,7 @@ impl Fmi2 {
             }
             let instantiate: Instantiate = symbol!("fmi2Instantiate");
             let declaration = AnnulusCooledMotor::default().declaration();
-            let token = CString::new(declaration.token.clone()).expect("no zero inside");
+            let token = CString::new(declaration.token.to_string()).expect("no zero inside");
             let instance = instantiate(c"bench".as_ptr(), 1, token.as_ptr(), null(), null(), 0, 0);
             assert!(!instance.is_null(), "{} is of another build", path.display());
             Fmi2 {

@@ -19,7 +19,7 @@ pub struct Recorded {
 
 /// The main outputs of an FMU of ours, and the limits of its outputs; names after `prefix`.
 pub fn of_model(prefix: &str, description: &ModelDescription) -> Option<(Vec<String>, Vec<Recorded>)> {
-    let ours = models::ALL.iter().map(|kind| (kind.declaration)()).find(|d| d.token == description.token)?;
+    let ours = (models::by_token(&description.token)?.declaration)();
     let main = plots::main_outputs(ours.name).iter().map(|name| format!("{prefix}{name}"));
     let limits = plots::LIMITS
         .iter()

@@ -19,6 +19,9 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+/// The model of a periodic load.
+const PERIODIC: &str = "GaitLoad";
+
 /// Model, preset and values of a study.
 #[derive(clap::Args)]
 pub struct Start {
@@ -100,6 +103,12 @@ pub struct SteadyArgs {
 pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     if let Some(file) = &args.load.load {
         return walk::run(args, file);
+    }
+    // Its outputs are those of an instant of the cycle.
+    if args.start.model == PERIODIC {
+        return Err(Failure::new(format!(
+            "{PERIODIC} is a periodic load and has no steady state; with steady --load FILE it is the load of a motor"
+        )));
     }
     let setup = args.start.setup()?;
     let mut bench = setup.bench()?;

@@ -1,7 +1,7 @@
 //! Values that the user sets on an FMU although they have no effect in the selected modes.
 //!
-//! An FMU of ours is recognised by its token, which is that of the variable table; the native model with the archive's start
-//! values and resources answers.
+//! An FMU of ours is recognised by its token, which selects the model; the native model with the archive's start values and resources
+//! answers.
 
 use ::study::bench::Bench;
 use archive::build::of_resources;
@@ -12,8 +12,7 @@ use describe::{Entry, models};
 /// Why one of the settings names a variable that an FMU of ours does not serve; `None` where there is none. `prefix` comes before
 /// its name.
 pub fn unserved(prefix: &str, description: &ModelDescription, sets: &[(String, String)]) -> Option<String> {
-    let is_this = |kind: &&describe::ModelType| (kind.declaration)().token == description.token;
-    let declaration = (models::ALL.iter().find(is_this)?.declaration)();
+    let declaration = (models::by_token(&description.token)?.declaration)();
     sets.iter().find_map(|(name, _)| declaration.unserved(name.strip_prefix(prefix)?))
 }
 
@@ -25,8 +24,7 @@ pub fn note<'a>(
     inputs: impl Iterator<Item = &'a str>,
 ) -> Option<String> {
     let description = archive.description();
-    let is_this = |kind: &&describe::ModelType| (kind.declaration)().token == description.token;
-    let declaration = (models::ALL.iter().find(is_this)?.declaration)();
+    let declaration = (models::by_token(&description.token)?.declaration)();
     let mut bench = Bench::new(declaration.name, None).ok()?;
     for variable in &description.variables {
         if let Some(start) = &variable.start {

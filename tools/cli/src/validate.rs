@@ -53,7 +53,7 @@ fn report_within(files: &[PathBuf], as_json: bool, patience: f64) -> Result<Exit
     if as_json {
         let entry = |(file, report): &(&PathBuf, Result<Vec<Finding>, _>)| match report {
             Ok(findings) => json!({"file": file.to_string_lossy(), "findings": findings}),
-            Err(why) => json!({"file": file.to_string_lossy(), "error": format!("{why}")}),
+            Err(why) => json!({"file": file.to_string_lossy(), "findings": [], "error": format!("{why}")}),
         };
         let list: Vec<_> = reports.iter().map(entry).collect();
         crate::say(&format!("{}\n", serde_json::Value::from(list)));

@@ -156,7 +156,7 @@ fn table(rows: &[Row]) -> String {
         (None, Some(max)) => format!("... {max}"),
         (None, None) => String::new(),
     };
-    let start = |r: &Row| r.start.as_deref().map_or(String::new(), short);
+    let start = |r: &Row| r.start.as_deref().map_or(String::new(), exact);
     let cells: Vec<[String; 5]> =
         std::iter::once(["name", "causality", "start", "unit", "limits or items"].map(str::to_owned))
             .chain(rows.iter().map(|r| {
@@ -176,6 +176,15 @@ fn table(rows: &[Row]) -> String {
         text.push('\n');
     }
     text
+}
+
+/// A start value with the fewest digits that are read as the same number, because a user copies it; words as they are.
+fn exact(text: &str) -> String {
+    match text.parse::<f64>() {
+        Ok(number) if number != 0.0 && !(1e-4..1e7).contains(&number.abs()) => format!("{number:e}"),
+        Ok(number) => number.to_string(),
+        Err(_) => text.to_owned(),
+    }
 }
 
 /// A start value with four digits; words as they are.
@@ -248,4 +257,29 @@ fn described(description: &ModelDescription) -> Vec<Row> {
         }
     };
     description.variables.iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn start_values_are_exact() {
+        for (start, text) in [
+            ("428.15", "428.15"),
+            ("101325", "101325"),
+            ("0", "0"),
+            ("-0.00983", "-0.00983"),
+            ("0.0000000123456", "1.23456e-8"),
+            ("true", "true"),
+            ("voltage", "voltage"),
+        ] {
+            assert_eq!(exact(start), text);
+        }
+        let motor = &models::ALL[0];
+        let rows = declared(motor, &StartValues::default(), None);
+        let limit = table(&rows);
+        let limit = limit.lines().find(|line| line.starts_with("thermal.T_w_max ")).unwrap();
+        assert!(limit.contains(" 428.15 "), "{limit}");
+    }
 }

@@ -179,3 +179,22 @@ fn each_refusal_is_one_sentence() {
         assert_eq!(folder.sentence(folder.toml(&closed), &options), format!("in.csv, line 1: {expected}"));
     }
 }
+
+/// A value of a connected input would have no effect.
+#[test]
+fn a_value_of_a_connected_input_is_refused() {
+    let folder = Folder::new();
+    let closed =
+        OPEN.replace("\"rotor.speed -> speed\"", "\"rotor.speed -> speed\", \"gain.twice -> gain.n\"");
+    let asked = SystemOptions { sets: sets(&[("gain.n", "2")]), ..SystemOptions::default() };
+    let sentence = folder.sentence(folder.toml(&closed), &asked);
+    let connection = "gain.n has a source already, the connection gain.twice -> gain.n";
+    assert!(sentence.contains("gain.n = 2") && sentence.contains(connection), "{sentence}");
+    let text = closed.replace("g = 10.0", "g = 10.0\nn = 2");
+    let sentence = folder.sentence(folder.toml(&text), &SystemOptions::default());
+    assert!(sentence.contains(", line 18: "), "{sentence}");
+    assert!(sentence.contains(connection), "{sentence}");
+    // Without the connection the value is used.
+    let open = OPEN.replace("g = 10.0", "g = 10.0\nn = 2");
+    assert!(cosimulate(&folder.toml(&open).unwrap(), &SystemOptions::default(), &mut |_| ()).is_ok());
+}

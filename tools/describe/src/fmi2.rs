@@ -2,7 +2,7 @@
 
 use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
-use crate::{Dependencies, Experiment, Unknown};
+use crate::{Dependencies, Experiment, Resources, Unknown};
 use physics::declare::Kind;
 use physics::model::{Declaration, Entry};
 use std::io;
@@ -23,14 +23,16 @@ const CAN: &[&str] = &[
     "providesDirectionalDerivative",
 ];
 
-/// The text of modelDescription.xml of an archive with these start values, dependencies and default experiment.
+/// The text of modelDescription.xml of an archive with these start values, resources, dependencies and default experiment.
 pub fn model_description(
     declaration: &'static Declaration,
     starts: &StartValues,
+    resources: &Resources,
     found: &Dependencies,
     experiment: Experiment,
 ) -> String {
-    let mut root = xml::root("2.0", "guid", declaration);
+    let token = crate::token(declaration, starts, resources);
+    let mut root = xml::root("2.0", ("guid", token), declaration);
     root.push(("numberOfEventIndicators", declaration.indicators.len().to_string()));
     let listed = Listed::new(declaration, starts);
     xml::document("fmiModelDescription", &root, |xml| {

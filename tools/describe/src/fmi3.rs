@@ -5,7 +5,7 @@
 
 use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
-use crate::{Dependencies, Experiment, Unknown};
+use crate::{Dependencies, Experiment, Resources, Unknown};
 use physics::declare::{Elements, Kind};
 use physics::model::{Declaration, Entry, Slot, TIME};
 use std::io;
@@ -29,14 +29,17 @@ const CAN: &[&str] = &[
     "hasEventMode",
 ];
 
-/// The text of modelDescription.xml of an archive with these start values, dependencies and default experiment.
+/// The text of modelDescription.xml of an archive with these start values, resources, dependencies and default experiment.
 pub fn model_description(
     declaration: &'static Declaration,
     starts: &StartValues,
+    resources: &Resources,
     found: &Dependencies,
     experiment: Experiment,
 ) -> String {
-    xml::document("fmiModelDescription", &xml::root("3.0", "instantiationToken", declaration), |xml| {
+    let token = crate::token(declaration, starts, resources);
+    let root = xml::root("3.0", ("instantiationToken", token), declaration);
+    xml::document("fmiModelDescription", &root, |xml| {
         xml::preamble(xml, declaration, [CAN_EXCHANGE, CAN], experiment, |xml, attributes, items| {
             element(xml, "EnumerationType", attributes, items)
         })?;

@@ -34,11 +34,11 @@ pub fn files(folder: &Path, determine: Determine) -> Result<Vec<(PathBuf, String
         let declaration = (kind.declaration)();
         let home = folder.join(declaration.name);
         let found = determine(kind);
-        let (starts, experiment) = experiment::of(kind, &StartValues::default(), &Resources::default(), None);
-        files
-            .push((home.join("fmi2.xml"), fmi2::model_description(declaration, &starts, &found, experiment)));
-        files
-            .push((home.join("fmi3.xml"), fmi3::model_description(declaration, &starts, &found, experiment)));
+        let resources = Resources::default();
+        let (starts, experiment) = experiment::of(kind, &StartValues::default(), &resources, None);
+        let two = fmi2::model_description(declaration, &starts, &resources, &found, experiment);
+        let three = fmi3::model_description(declaration, &starts, &resources, &found, experiment);
+        files.extend([(home.join("fmi2.xml"), two), (home.join("fmi3.xml"), three)]);
         files.push((home.join("parameters.md"), markdown::parameters(kind, &starts)));
         files.push((home.join("dependencies.toml"), found.text(declaration)));
     }

@@ -20,6 +20,7 @@ pub use dependencies::{Dependencies, Unknown};
 pub use physics::declare::{Causality, Kind};
 pub use physics::model::{Declaration, Entry, Model, ModelType};
 pub use physics::terms::{Driver, Factor, GenericTerm, Grid, Lag, Law, Port, Product};
+pub use physics::token::{Contents, Token};
 pub use physics::{load_table::LoadTable, resources::Resources};
 pub use physics::{models, start_values};
 pub use preset::{Preset, StartValues};
@@ -37,6 +38,11 @@ pub const LICENSE: &str = "MIT AND CC0-1.0 AND LicenseRef-CC-BY-SA";
 pub const DEFAULT_STEP: f64 = 1e-3;
 /// Stop time of the default experiment, s.
 pub const DEFAULT_STOP: f64 = 1.0;
+
+/// GUID or instantiation token of an archive with these start values and resources.
+pub fn token(declaration: &Declaration, starts: &StartValues, resources: &Resources) -> Token {
+    declaration.token.with(Contents::of(starts.entries(), resources))
+}
 
 /// The default experiment of an archive; it starts at time 0.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@ use crate::Experiment;
 use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit, Variability};
 use physics::model::{Declaration, Entry, Slot};
+use physics::token::Token;
 use quick_xml::Writer;
 use quick_xml::events::BytesText;
 use std::io;
@@ -55,11 +56,15 @@ pub fn text(xml: &mut Xml, name: &str, attributes: &Attributes, content: &str) -
 }
 
 /// The attributes of the root: version and token, named as in the standard.
-pub(crate) fn root(version: &str, token_name: &'static str, declaration: &Declaration) -> Attributes {
+pub(crate) fn root(
+    version: &str,
+    (token_name, token): (&'static str, Token),
+    declaration: &Declaration,
+) -> Attributes {
     vec![
         ("fmiVersion", version.to_string()),
         ("modelName", declaration.name.to_string()),
-        (token_name, declaration.token.clone()),
+        (token_name, token.to_string()),
         ("description", declaration.description.to_string()),
         ("version", crate::VERSION.to_string()),
         ("author", crate::AUTHOR.to_string()),

@@ -1,9 +1,8 @@
 //! Properties of the whole variable table of every model.
 
-use describe::{Dependencies, Entry, Experiment, StartValues, Unknown, generated, lock, models};
+use describe::{Dependencies, Entry, Experiment, Resources, StartValues, Unknown, generated, lock, models};
 use describe::{Preset, fmi2, fmi3};
 use physics::declare::{Causality, Kind, Scale};
-use physics::resources::Resources;
 use physics::terms::{Driver, GenericTerm, Law, Port, Table};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -158,10 +157,12 @@ fn segments_are_counted_by_the_start_values() {
         unknown.on.iter().copied().filter(|k| declaration.entries[*k].element.is_none()).collect()
     };
     assert!(of_element(11).len() > 40 && of_element(11) == of_element(3));
-    let two = fmi2::model_description(declaration, &starts, &found, Experiment::default());
+    let two =
+        fmi2::model_description(declaration, &starts, &Resources::default(), &found, Experiment::default());
     assert!(two.contains("\"T_housing[11]\"") && two.contains("\"der(T_housing[11])\""));
     assert!(!two.contains("T_housing[12]"));
-    let three = fmi3::model_description(declaration, &starts, &found, Experiment::default());
+    let three =
+        fmi3::model_description(declaration, &starts, &Resources::default(), &found, Experiment::default());
     assert!(!three.contains("T_housing["));
     let line = |start: &str| three.lines().filter(|l| l.contains(start)).map(str::trim).collect::<Vec<_>>();
     let size = line("name=\"air_segments\"")[0];

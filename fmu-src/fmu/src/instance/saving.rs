@@ -98,13 +98,13 @@ impl Instance {
 
     /// The bytes of the state of this handle.
     pub fn serialized(&self, handle: *mut c_void) -> Outcome<Vec<u8>> {
-        Ok(self.saved_states.get(handle)?.to_bytes())
+        Ok(self.saved_states.get(handle)?.to_bytes(self.equations))
     }
 
     /// Deserializes a state into that of this handle, or into a new one if the handle is NULL, and returns the handle.
     pub fn deserialize(&mut self, bytes: &[u8], handle: *mut c_void) -> Outcome<*mut c_void> {
         self.require_living()?;
-        let saved = Saved::from_bytes(bytes, self.model.as_ref(), self.interface)?;
+        let saved = Saved::from_bytes(bytes, self.model.as_ref(), self.equations, self.interface)?;
         if handle.is_null() {
             return Ok(self.saved_states.add(saved));
         }

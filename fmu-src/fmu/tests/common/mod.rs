@@ -14,6 +14,7 @@ use motor_fmu::instance::{Instance, IntermediateUpdate};
 use motor_fmu::logger::{Logger2, Status};
 use physics::declare::{Causality, Kind};
 use physics::model::{Declaration, Entry, ModelType};
+use physics::token::Contents;
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ops::Deref;
@@ -51,7 +52,12 @@ pub const fn shortened(usual: usize, in_miri: usize) -> usize {
 
 /// The token that selects a model.
 pub fn token(kind: &ModelType) -> CString {
-    CString::new((kind.declaration)().token.clone()).unwrap()
+    token_with(kind, Contents::default())
+}
+
+/// The token of an archive of a model with these contents.
+fn token_with(kind: &ModelType, contents: Contents) -> CString {
+    CString::new((kind.declaration)().token.with(contents).to_string()).unwrap()
 }
 
 /// The variables of type Real and a causality.
@@ -133,11 +139,18 @@ pub struct Options<'a> {
     pub event_mode: bool,
     pub early_return: bool,
     pub resources: Option<&'a str>,
+    /// Contents of the archive according to its token.
+    pub contents: Contents,
 }
 
 /// With logging.
-pub const LOGGED: Options =
-    Options { logging: true, event_mode: false, early_return: false, resources: None };
+pub const LOGGED: Options = Options {
+    logging: true,
+    event_mode: false,
+    early_return: false,
+    resources: None,
+    contents: Contents { starts: 0, terms: 0, load: 0 },
+};
 
 /// An instance with its importer.
 pub struct Importer {
@@ -174,7 +187,8 @@ impl Importer {
         let pointer: *mut c_void = Rc::as_ptr(&environment).cast_mut().cast();
         let resources = options.resources.map(|text| CString::new(text).unwrap());
         let resources = resources.as_ref().map_or(null(), |text| text.as_ptr());
-        let (name, token, logging) = (NAME.as_ptr(), token(kind), u8::from(options.logging));
+        let token = token_with(kind, options.contents);
+        let (name, logging) = (NAME.as_ptr(), u8::from(options.logging));
         let (token, log) = (token.as_ptr(), Some(logger3 as _));
         let (events, early) = (u8::from(options.event_mode), u8::from(options.early_return));
         fmu.handle = unsafe {

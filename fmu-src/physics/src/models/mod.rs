@@ -6,6 +6,7 @@ pub mod gait_load;
 pub mod series_elastic_actuator;
 
 use crate::model::ModelType;
+use crate::token::Token;
 use annulus_cooled_motor::AnnulusCooledMotor;
 use brushed_gearmotor::BrushedGearmotor;
 use gait_load::GaitLoad;
@@ -20,7 +21,8 @@ pub fn by_name(name: &str) -> Option<&'static ModelType> {
     ALL.iter().find(|m| (m.declaration)().name == name)
 }
 
-/// The model whose FMI 2 GUID or FMI 3 instantiation token this is.
+/// The model of the archive with this FMI 2 GUID or FMI 3 instantiation token, whatever its start values, terms and load table.
 pub fn by_token(token: &str) -> Option<&'static ModelType> {
-    ALL.iter().find(|m| (m.declaration)().token == token)
+    let token = Token::parse(token)?;
+    ALL.iter().find(|m| (m.declaration)().token.is_model(token))
 }

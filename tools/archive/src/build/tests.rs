@@ -50,6 +50,53 @@ fn a_preset_reaches_the_xml_and_the_binary() {
     assert!(start_values::entries(&block).any(|entry| entry == (1000, 9.83e-3)));
 }
 
+/// The token in the model description of an archive.
+fn token(archive: &Path) -> String {
+    let xml = String::from_utf8(entry(archive, "modelDescription.xml")).unwrap();
+    let document = roxmltree::Document::parse(&xml).unwrap();
+    let root = document.root_element();
+    root.attribute("guid").or(root.attribute("instantiationToken")).unwrap().to_owned()
+}
+
+#[test]
+fn presets_and_terms_have_tokens_of_their_own() {
+    let packing = Packing::new();
+    let [one, other] = ["maxon-305015", "maxon-re40-148877"].map(|name| Preset::load(name).unwrap());
+    let text =
+        r#"{"format": "motor-fmu effects 1", "terms": [{"port": "drag_torque", "coefficient": 1e-3}]}"#;
+    let terms = TermsFile::parse(text, "x.json").unwrap();
+    let all = [
+        Contents::default(),
+        Contents { preset: Some(&one), ..Contents::default() },
+        Contents { preset: Some(&other), ..Contents::default() },
+        Contents { preset: Some(&one), effects: Some(&terms), ..Contents::default() },
+    ];
+    let mut tokens = all.map(|contents| {
+        let [two, three] = Standard::ALL.map(|standard| token(&packing.build(standard, contents).unwrap()));
+        assert_eq!(two, three);
+        assert_eq!(two, token(&packing.build(Standard::Fmi2, contents).unwrap()));
+        let kind = models::by_token(&two).expect("a model");
+        assert_eq!((kind.declaration)().name, "AnnulusCooledMotor");
+        two
+    });
+    tokens.sort_unstable();
+    assert!(tokens.windows(2).all(|pair| pair[0] != pair[1]), "{tokens:?}");
+}
+
+/// The library compares the start values in its block with the token.
+#[test]
+fn the_token_is_that_of_the_start_values_in_the_library() {
+    let (packing, preset) = (Packing::new(), Preset::load("maxon-305015").unwrap());
+    let path =
+        packing.build(Standard::Fmi3, Contents { preset: Some(&preset), ..Contents::default() }).unwrap();
+    let binary = entry(&path, &format!("binaries/{}/AnnulusCooledMotor.{}", HERE.tuple, HERE.ending));
+    let block: [u8; start_values::SIZE] = binary[5..].try_into().unwrap();
+    let own = (models::ALL[0].declaration)().token;
+    let found = describe::Token::parse(&token(&path)).unwrap().contents(own);
+    assert_eq!(found, describe::Contents::of(start_values::entries(&block), &Resources::default()));
+    assert_ne!(found.starts, 0);
+}
+
 #[test]
 fn effects_are_packed_and_checked() {
     let packing = Packing::new();

@@ -2,7 +2,7 @@
 use super::ends::{Found, apart, find, no_signal, sort};
 use super::parts::{Parts, Port};
 use super::settings::{Given, given, owner, refused, setting_error, value};
-use super::structure::{Connection, Direction, End};
+use super::structure::{Connection, Direction, End, Setting};
 use super::units::{Affine, conversion};
 use crate::{Causality, DisplayUnit, Error, InputTable, Kind, Unit, Value};
 
@@ -60,10 +60,14 @@ pub(crate) fn resolve(
     let structure = parts.structure;
     let mut connections =
         Connections { sets: vec![Vec::new(); structure.components.len()], ..Connections::default() };
+    // The settings of variables, to be compared with the connections.
+    let mut fixed: Vec<(Port, Setting, bool)> = Vec::new();
     for (index, component) in structure.components.iter().enumerate() {
         for setting in &component.settings {
             let set = value(parts.description(index), &setting.name, setting, None, None);
-            connections.put(index, set.map_err(|e| setting_error(component, setting, false, e))?);
+            let set = set.map_err(|e| setting_error(component, setting, false, e))?;
+            fixed.push((Port { component: index, variable: set.0 }, setting.clone(), false));
+            connections.put(index, set);
         }
     }
     // What belongs to no component is for inputs of the system.
@@ -74,12 +78,16 @@ pub(crate) fn resolve(
         let shown = description.variable(name).filter(|_| *asked && display_units);
         let shown = shown.and_then(|variable| description.display_unit(variable));
         let set = value(description, name, setting, None, shown.as_ref());
-        connections
-            .put(index, set.map_err(|e| setting_error(&structure.components[index], setting, *asked, e))?);
+        let set = set.map_err(|e| setting_error(&structure.components[index], setting, *asked, e))?;
+        fixed.push((Port { component: index, variable: set.0 }, setting.clone(), *asked));
+        connections.put(index, set);
         *used = true;
     }
     for (index, connection) in structure.connections.iter().enumerate() {
         connections.connect(parts, index, connection)?;
+    }
+    for (port, setting, asked) in &fixed {
+        connections.check_unconnected(parts, *port, setting, *asked)?;
     }
     connections.set_inputs(parts, &mut given, display_units)?;
     if let Some(Given { setting, asked, .. }) = given.iter().find(|g| !g.used) {
@@ -243,6 +251,27 @@ impl Connections {
         let convert = to_connector.then(units).then(from_connector);
         self.inputs.push(InputConnection { port: target, source: slot, convert, connection: index });
         Ok(())
+    }
+
+    /// The value of a connected input would have no effect. A parameter set of an SSP file may contain one, as start value.
+    fn check_unconnected(
+        &self,
+        parts: Parts,
+        port: Port,
+        setting: &Setting,
+        asked: bool,
+    ) -> Result<(), Error> {
+        let is_start_value = !asked && !setting.place.file.ends_with(".toml");
+        let Some(input) = self.inputs.iter().find(|i| i.port == port).filter(|_| !is_start_value) else {
+            return Ok(());
+        };
+        let connection = &parts.structure.connections[input.connection];
+        let reason = format!("{} has a source already, the {connection}", parts.name(port));
+        Err(refused(
+            setting,
+            asked,
+            if asked { format!("has no effect: {reason}") } else { format!("= {}: {reason}", setting.text) },
+        ))
     }
 
     /// An input has one source.
