@@ -27,7 +27,7 @@ pub fn selected(token: Option<&str>) -> Outcome<(&'static ModelType, Contents)> 
     };
     let declaration = (kind.declaration)();
     let contents = token.contents(declaration.token);
-    if contents.starts != Contents::of(crate::start_values(), &Resources::default()).starts {
+    if contents.starts != Resources::default().contents(crate::start_values()).starts {
         return Err(Refused::error(format!(
             "{}: the token {text} of modelDescription.xml is that of other start values than those in this library; \
              modelDescription.xml and library are of different builds, for example of different presets.",

@@ -123,7 +123,7 @@ impl Instance {
             scratch: None,
             elements: counted(model.as_mut()),
             model,
-            equations: physics::token::of_equations(&resources),
+            equations: resources.equations(),
             resources,
             mode: Mode::Instantiated,
             window: (0.0, f64::INFINITY),

@@ -141,7 +141,8 @@ impl Declaration {
         for (k, entry) in entries.iter().enumerate() {
             by_reference[entry.value_reference as usize] = Some(k as u32);
         }
-        let token = Token::of_table(name, &entries);
+        let token =
+            Token::of_table(name, entries.iter().map(|e| (e.value_reference, e.name.as_str(), e.row)));
         Declaration {
             name,
             description,

@@ -6,10 +6,8 @@
 //! cache FMUs by their token need this. The token of an archive without contents is the hash of the variable table.
 
 use crate::load_table::LoadTable;
-use crate::model::Entry;
-use crate::resources::Resources;
 use crate::terms::{GenericTerm, Law};
-use declare::Kind;
+use declare::{Kind, Variable};
 use std::fmt;
 
 /// A token: hash of the variable table, combined with the fingerprint of the contents.
@@ -22,14 +20,16 @@ pub struct Token {
 impl Token {
     /// The token of an archive without contents: two hashes of everything that must be equal in a library and its model description,
     /// except for the start values.
-    pub(crate) fn of_table(name: &str, entries: &[Entry]) -> Token {
-        let mut text = String::from(name);
-        for e in entries {
-            let r = e.row;
+    pub(crate) fn of_table<'a>(
+        model: &str,
+        variables: impl Iterator<Item = (u32, &'a str, &'static Variable)>,
+    ) -> Token {
+        let mut text = String::from(model);
+        for (value_reference, name, r) in variables {
             text.push_str(&format!(
                 "|{} {} {:?} {:?} {} {} {} {}",
-                e.value_reference,
-                e.name,
+                value_reference,
+                name,
                 r.causality,
                 r.variability,
                 r.unit.name(),
@@ -102,15 +102,19 @@ pub struct Contents {
 }
 
 impl Contents {
-    /// The fingerprint of these start values (value reference, value) and resources.
-    pub fn of(starts: impl IntoIterator<Item = (u32, f64)>, resources: &Resources) -> Contents {
+    /// The fingerprint of these start values (value reference, value), terms and load table.
+    pub(crate) fn of(
+        starts: impl IntoIterator<Item = (u32, f64)>,
+        terms: &[GenericTerm],
+        load: Option<&LoadTable>,
+    ) -> Contents {
         let folded = |hash: u64| (hash >> 32) as u32 ^ hash as u32;
         let short = |hash: u64| (folded(hash) >> 16) as u16 ^ folded(hash) as u16;
         // Zero is reserved for no content.
         Contents {
             starts: of_starts(starts).map_or(0, |hash| folded(hash).max(1)),
-            terms: of_terms(&resources.terms).map_or(0, |hash| short(hash).max(1)),
-            load: resources.load.as_ref().map_or(0, |table| short(of_load(table)).max(1)),
+            terms: of_terms(terms).map_or(0, |hash| short(hash).max(1)),
+            load: load.map_or(0, |table| short(of_load(table)).max(1)),
         }
     }
 
@@ -120,8 +124,8 @@ impl Contents {
 }
 
 /// Fingerprints of terms and load table, which with the model determine the equations; zero if there are none.
-pub fn of_equations(resources: &Resources) -> [u64; 2] {
-    [of_terms(&resources.terms).unwrap_or(0), resources.load.as_ref().map_or(0, of_load)]
+pub(crate) fn of_equations(terms: &[GenericTerm], load: Option<&LoadTable>) -> [u64; 2] {
+    [of_terms(terms).unwrap_or(0), load.map_or(0, of_load)]
 }
 
 /// The FNV-1a hash.

@@ -41,7 +41,7 @@ pub const DEFAULT_STOP: f64 = 1.0;
 
 /// GUID or instantiation token of an archive with these start values and resources.
 pub fn token(declaration: &Declaration, starts: &StartValues, resources: &Resources) -> Token {
-    declaration.token.with(Contents::of(starts.entries(), resources))
+    declaration.token.with(resources.contents(starts.entries()))
 }
 
 /// The default experiment of an archive; it starts at time 0.

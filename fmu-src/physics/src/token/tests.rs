@@ -1,5 +1,6 @@
 use super::*;
 use crate::models::{self, by_token};
+use crate::resources::Resources;
 use crate::terms::{Driver, Factor, Lag, Port, Product, Table};
 
 fn drop(coefficient: f64) -> GenericTerm {
@@ -46,7 +47,7 @@ fn different() -> Vec<Contents> {
         for terms in &terms {
             for load in &loads {
                 let resources = Resources { terms: terms.clone(), load: load.clone() };
-                all.push(Contents::of(starts.iter().copied(), &resources));
+                all.push(resources.contents(starts.iter().copied()));
             }
         }
     }
@@ -78,16 +79,16 @@ fn archives_with_different_contents_have_different_tokens_of_their_model() {
 #[test]
 fn the_bits_of_a_content_are_zero_only_if_it_is_empty() {
     let own = (models::ALL[0].declaration)().token;
-    assert_eq!(own.with(Contents::of([], &Resources::default())), own);
-    let contents = Contents::of([(100, 1.0)], &Resources::default());
+    assert_eq!(own.with(Resources::default().contents([])), own);
+    let contents = Resources::default().contents([(100, 1.0)]);
     assert!(contents.starts != 0 && (contents.terms, contents.load) == (0, 0), "{contents:?}");
     // Enough terms that some hash has 16 bits that are zero.
     for k in 0..400_000 {
-        let contents = Contents::of([], &Resources::of_terms(&[drop(f64::from(k))]));
+        let contents = Resources::of_terms(&[drop(f64::from(k))]).contents([]);
         assert!(contents.terms != 0 && (contents.starts, contents.load) == (0, 0), "{k}: {contents:?}");
     }
     let resources = Resources { terms: vec![], load: Some(load(None)) };
-    let contents = Contents::of([], &resources);
+    let contents = resources.contents([]);
     assert!(contents.load != 0 && (contents.starts, contents.terms) == (0, 0), "{contents:?}");
 }
 

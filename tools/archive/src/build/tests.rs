@@ -93,7 +93,7 @@ fn the_token_is_that_of_the_start_values_in_the_library() {
     let block: [u8; start_values::SIZE] = binary[5..].try_into().unwrap();
     let own = (models::ALL[0].declaration)().token;
     let found = describe::Token::parse(&token(&path)).unwrap().contents(own);
-    assert_eq!(found, describe::Contents::of(start_values::entries(&block), &Resources::default()));
+    assert_eq!(found, Resources::default().contents(start_values::entries(&block)));
     assert_ne!(found.starts, 0);
 }
 

@@ -182,6 +182,9 @@ fn a_wrong_unit_of_one_file_is_named_as_one() {
         (1, SPEED, 30.0 / PI, "speed_rad_per_s in run-2.csv contradicts the model; readings in rpm"),
         (0, SPEED, 180.0 / PI, "speed_rad_per_s in run.csv contradicts the model; readings in deg/s"),
         (2, TORQUE, 1e3, "shaft_torque_Nm in run-3.csv contradicts the model; readings in mN.m"),
+        // Not a voltage of half its value, with which only the voltage agrees.
+        (2, SPEED, 2.0, "speed_rad_per_s in run-3.csv contradicts the model; speeds of 2 pole pairs"),
+        (1, SPEED, 0.25, "speed_rad_per_s in run-2.csv contradicts the model; speeds times 4"),
     ] {
         let mut wrong = three();
         wrong.runs[run].table.columns[k].iter_mut().for_each(|x| *x *= factor);
