@@ -253,7 +253,8 @@ impl Connections {
         Ok(())
     }
 
-    /// The value of a connected input would have no effect. A parameter set of an SSP file may contain one, as start value.
+    /// The value of a connected input would have no effect. A parameter set of an SSP file, whose components declare their connectors, may
+    /// contain one, as start value.
     fn check_unconnected(
         &self,
         parts: Parts,
@@ -261,7 +262,7 @@ impl Connections {
         setting: &Setting,
         asked: bool,
     ) -> Result<(), Error> {
-        let is_start_value = !asked && !setting.place.file.ends_with(".toml");
+        let is_start_value = !asked && parts.structure.components[port.component].connectors.is_some();
         let Some(input) = self.inputs.iter().find(|i| i.port == port).filter(|_| !is_start_value) else {
             return Ok(());
         };
