@@ -363,8 +363,7 @@ impl<'a> Search<'a> {
                 judgement.point = Some(point);
             }
         }
-        let partly: Vec<bool> =
-            judgement.hypothesis.additions.iter().map(|a| a.active.iter().any(|on| !on)).collect();
+        let partly: Vec<bool> = judgement.hypothesis.additions.iter().map(|a| !a.is_in_every_run()).collect();
         judgement.hypothesis = acting(setup, &judgement.hypothesis, &unfitted)?;
         for (a, addition) in judgement.hypothesis.additions.iter().enumerate().filter(|(a, _)| partly[*a]) {
             judgement.effects[a].runs = files(setup, &addition.active);
@@ -391,7 +390,7 @@ impl<'a> Search<'a> {
 
     /// Whether a law or a listed effect of all runs was accepted: it also predicts runs to which it was not fitted.
     fn holds_beyond_the_fit(&self) -> bool {
-        let holds = |c: &Candidate| !c.addition().is_listed() || c.addition().active.iter().all(|on| *on);
+        let holds = |c: &Candidate| !c.addition().is_listed() || c.addition().is_in_every_run();
         self.rounds.iter().filter_map(Round::winner).any(holds)
     }
 
@@ -450,7 +449,7 @@ impl<'a> Search<'a> {
             alternatives,
             weights: deltas.iter().copied().map(shares(&deltas)).collect(),
             runs: files(setup, &addition.active),
-            everywhere: addition.active.iter().all(|on| *on),
+            everywhere: addition.is_in_every_run(),
             parameters: Vec::new(),
             term: addition.term(),
             separating_experiment: separating,

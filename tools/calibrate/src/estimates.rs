@@ -7,7 +7,7 @@ use crate::close_loop::Judgement;
 use crate::comparison::{self, with_unit};
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Addition, Hypothesis};
 use crate::instruments;
 use crate::levels::{AT_NOISE, DECISIVE, PART, STRUCTURE, SURE};
 use crate::linearization::Linearization;
@@ -230,7 +230,7 @@ pub fn outcome(
 /// Whether the final model describes all fit and validation runs with effects that act in each of them: then no file disagrees with the others.
 fn describes_all_runs(found: &Hypothesis, errors: &[ChannelError]) -> bool {
     errors.iter().all(|e| e.role == Role::Test || e.unexplained().is_none())
-        && found.additions.iter().all(|a| a.active.iter().all(|on| *on))
+        && found.additions.iter().all(Addition::is_in_every_run)
 }
 
 /// One sentence about the disagreement between runs, if it is counted as noise.

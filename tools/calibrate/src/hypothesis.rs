@@ -177,6 +177,11 @@ impl Addition {
         }
     }
 
+    /// Whether it acts in every run.
+    pub fn is_in_every_run(&self) -> bool {
+        self.active.iter().all(|on| *on)
+    }
+
     /// Whether it is a listed effect.
     pub fn is_listed(&self) -> bool {
         matches!(self.shape, Shape::Listed { .. })

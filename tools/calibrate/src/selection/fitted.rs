@@ -57,8 +57,7 @@ fn fitted_as<'a>(
     let larger = Linearization::judged(setup, fitted, &point.runs)?;
     let cost = point.per_number() * addition.price()
         + if addition.is_listed() { 0.0 } else { choice(addition.port, addition.follows) };
-    let of_runs =
-        if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
+    let of_runs = if addition.is_in_every_run() { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
     let (white, raw) = larger.explains(point);
     let delta = (white - cost - of_runs, raw - cost - of_runs);
     Ok(Candidate {

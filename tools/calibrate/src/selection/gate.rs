@@ -180,7 +180,7 @@ fn outweighs(before: &Linearization, with: &Linearization) -> bool {
 fn of_one_file(candidate: &Candidate) -> Option<String> {
     let file = &candidate.point.setup.experiment.odd_file.as_ref()?.name;
     let addition = candidate.addition();
-    (!addition.is_listed() && addition.active.iter().all(|on| *on)).then(|| {
+    (!addition.is_listed() && addition.is_in_every_run()).then(|| {
         format!("only {file} supports it: without this file the parameters describe the other runs, and the file may be wrong")
     })
 }
@@ -303,7 +303,7 @@ fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Va
     let judge = setup.clone().until(Deadline::default());
     let runs = setup.runs(Role::Validate);
     let addition = candidate.addition();
-    let partly = addition.active.iter().any(|on| !on);
+    let partly = !addition.is_in_every_run();
     if !runs.is_empty() {
         let without = judge.show(&acting(&judge, &before.fitted.hypothesis, &runs)?, &runs)?;
         let with = acting(&judge, &candidate.point.fitted.hypothesis, &runs)?;

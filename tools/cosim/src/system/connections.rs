@@ -263,16 +263,21 @@ impl Connections {
         asked: bool,
     ) -> Result<(), Error> {
         let is_start_value = !asked && parts.structure.components[port.component].connectors.is_some();
-        let Some(input) = self.inputs.iter().find(|i| i.port == port).filter(|_| !is_start_value) else {
+        let Some(reason) = self.other_source(parts, port).filter(|_| !is_start_value) else {
             return Ok(());
         };
-        let connection = &parts.structure.connections[input.connection];
-        let reason = format!("{} has a source already, the {connection}", parts.name(port));
         Err(refused(
             setting,
             asked,
             if asked { format!("has no effect: {reason}") } else { format!("= {}: {reason}", setting.text) },
         ))
+    }
+
+    /// A sentence on the connection that drives this input; `None` if none does.
+    pub(crate) fn other_source(&self, parts: Parts, port: Port) -> Option<String> {
+        let input = self.inputs.iter().find(|i| i.port == port)?;
+        let connection = &parts.structure.connections[input.connection];
+        Some(format!("{} has a source already, the {connection}", parts.name(port)))
     }
 
     /// An input has one source.

@@ -23,10 +23,8 @@ pub(crate) fn read(
             if connections.sets[port.component].iter().any(|(v, _)| *v == port.variable) {
                 return Err(format!("column {name}: {} has a constant value already", parts.name(*port)));
             }
-            if let Some(input) = connections.inputs.iter().find(|i| i.port == *port) {
-                let connection = &parts.structure.connections[input.connection];
-                let name = parts.name(*port);
-                return Err(format!("column {name}: {name} has a source already, the {connection}"));
+            if let Some(reason) = connections.other_source(parts, *port) {
+                return Err(format!("column {}: {reason}", parts.name(*port)));
             }
         }
         Ok(targets.into_iter().map(|(target, _)| target).collect())
