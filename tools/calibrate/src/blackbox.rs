@@ -107,6 +107,7 @@ fn series(setup: &Setup) -> Vec<Series> {
     let used: Vec<usize> = (0..experiment.inputs.len())
         .filter(|k| !is_ambient(*k) && experiment.inputs[*k].unit != physics::declare::Unit::Pascal)
         .collect();
+    let sizes: Vec<f64> = used.iter().map(|k| size(*k)).collect();
     let ambient = (0..experiment.inputs.len()).find(|k| is_ambient(*k));
     let one = |(run, of): (usize, &crate::experiment::Run)| {
         let inputs = setup.drives[run].inputs();
@@ -115,7 +116,7 @@ fn series(setup: &Setup) -> Vec<Series> {
         Series {
             role: of.role,
             time: of.table.time.clone(),
-            inputs: used.iter().map(|k| inputs[*k].iter().map(|x| x / size(*k)).collect()).collect(),
+            inputs: used.iter().zip(&sizes).map(|(k, of)| inputs[*k].iter().map(|x| x / of).collect()).collect(),
             ambient: ambient.map_or_else(|| vec![0.0; rows], |k| inputs[k].clone()),
             outputs: of.table.columns[experiment.inputs.len()..].to_vec(),
             counts: of.table.time.iter().map(|t| (from..=to).contains(t)).collect(),

@@ -81,7 +81,9 @@ pub fn run(
     let begun = Instant::now();
     progress(0.0, "fitting the declared parameters");
     let deadline = options.budget.map_or_else(Deadline::default, Deadline::after);
-    let setup = Setup::new(experiment, preset)?.until(deadline.clone());
+    let means = experiment.of_means();
+    let mut setup = Setup::new(means.as_ref().unwrap_or(experiment), preset)?.until(deadline.clone());
+    setup.all_rows = means.as_ref().map(|_| experiment);
     let outcome = closed(&setup, options, begun, progress)?;
     // With the effects that were found, the values of the preset may be right: the parameters stood in for the effects.
     let setup = setup.without(&outcome.stood_in());
@@ -164,7 +166,7 @@ fn attempt<'a>(
     // At the deadline, the search returns its result so far.
     let mut is_cut = deadline.is_near();
     if !is_cut {
-        let heard = refit.and_then(|r| setup.include_input_noise(&r, &fit).map(|()| r));
+        let heard = refit.and_then(|r| setup.include_input_noise(&r.hypothesis, &fit).map(|()| r));
         progress(0.15, "search for missing effects");
         refit = heard.and_then(|r| setup.fit(r.hypothesis, &fit));
         is_cut = deadline.is_near();

@@ -99,7 +99,7 @@ impl<'a> Setup<'a> {
     }
 
     /// The setup with the additional standard deviations (4) of the outputs.
-    fn with_between_runs(&self, added: &[f64]) -> Self {
+    pub(crate) fn with_between_runs(&self, added: &[f64]) -> Self {
         let mut other = self.clone();
         let inputs = self.experiment.inputs.len();
         for (k, added) in added.iter().enumerate() {

@@ -37,15 +37,18 @@ pub fn outcome(
     refit: &Hypothesis,
     judged: Judgement,
 ) -> Result<Outcome, CalibrateError> {
+    // What was found with means over rows is evaluated at the rows as measured.
+    let means = setup;
+    let setup = &means.at_all_rows(&judged.hypothesis)?;
     let experiment = setup.experiment;
     let point = judged.point.as_ref().unwrap_or(first);
     let mut hypothesis = judged.hypothesis;
-    let mut notes = experiment.notes.clone();
+    let mut notes = means.experiment.notes.clone();
     notes.extend(judged.notes);
     let mut corrected = hypothesis.clone();
-    let (mut naive, _) = estimates(setup, first, None, None);
+    let (mut naive, _) = estimates(means, first, None, None);
     naive.truncate(setup.declared.len());
-    let (mut estimates_of, covariance) = estimates(setup, point, None, Some(&mut corrected));
+    let (mut estimates_of, covariance) = estimates(means, point, None, Some(&mut corrected));
     let exact = setup.exact();
     // Without an added effect, the model remains the fit to the indicated values: estimated jointly with a disturbance that the model does not
     // get, the parameters predict worse. A correction that increases the error, or with a law at its limit, is rejected.
@@ -54,7 +57,7 @@ pub fn outcome(
         hypothesis = corrected;
     }
     if let Some((beside, port)) = &judged.beside {
-        let (others, _) = estimates(setup, beside, Some(*port), None);
+        let (others, _) = estimates(means, beside, Some(*port), None);
         // Range of the parameters if the law at this port differs from the assumed one.
         for (estimate, other) in estimates_of.iter_mut().zip(others) {
             let ((a, b), (c, d)) = (estimate.ci95, other.ci95);
@@ -211,7 +214,7 @@ pub fn outcome(
         errors,
         localised: judged.localised,
         candidate_table: judged.candidate_table,
-        whiteness: whiteness(setup, first, point),
+        whiteness: whiteness(means, first, point),
         limits: limits(point),
         curves: all
             .iter()

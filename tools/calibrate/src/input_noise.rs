@@ -17,7 +17,7 @@
 
 use crate::CalibrateError;
 use crate::experiment::Role;
-use crate::fit::{Fitted, Slopes};
+use crate::fit::Slopes;
 use crate::hypothesis::Hypothesis;
 use crate::levels::{CERTAIN, NEARLY, NEGLIGIBLE};
 use crate::noise::{self, is_new_in_every_row, is_stated, least, of_columns};
@@ -39,10 +39,14 @@ impl Setup<'_> {
     ///
     /// # Errors
     /// The model's error if it cannot be simulated.
-    pub fn include_input_noise(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
+    pub fn include_input_noise(
+        &mut self,
+        hypothesis: &Hypothesis,
+        runs: &[usize],
+    ) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
-        let left = self.lower_noise(&fitted.hypothesis, runs)?;
-        let slopes = self.input_sensitivities(&fitted.hypothesis, runs)?;
+        let left = self.lower_noise(hypothesis, runs)?;
+        let slopes = self.input_sensitivities(hypothesis, runs)?;
         let slow = |input: &usize| {
             let (direct, whole) = self.variances(&slopes, |k| k == *input);
             (0..m).any(|k| whole[k] - direct[k] > (NEGLIGIBLE * self.sigma(k)).powi(2))
@@ -56,7 +60,7 @@ impl Setup<'_> {
             self.noise[inputs + output] = self.sigma(output).hypot(direct.sqrt());
             self.lower(output, left[output]);
         }
-        self.correct_inputs(&fitted.hypothesis, &known)
+        self.correct_inputs(hypothesis, &known)
     }
 
     /// Eq. (2) for the fit and validation runs; `known` are the deviations of the sensors of the outputs.

@@ -13,6 +13,7 @@
 //! | `parallel` | parallel evaluation |
 //! | [`setup`] | prepared experiment; residuals by row and by block |
 //! | `acting` | whether an effect limited to some runs acts in unfitted ones |
+//! | `means` | means over rows, where a fast logger has more rows than a search needs |
 //! | [`fit`] | parameter estimation of a hypothesis with bounds and priors |
 //! | `disagreement` | runs that disagree by more than the sensor noise |
 //! | `input_noise` | effect of input noise on the outputs |
@@ -51,6 +52,7 @@ mod instruments;
 pub mod intake;
 mod levels;
 pub mod linearization;
+mod means;
 pub mod noise;
 pub mod outcome;
 pub mod overrides;

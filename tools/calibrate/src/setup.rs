@@ -4,7 +4,7 @@ mod blocks;
 
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Channel, Experiment, Prior, Role};
+use crate::experiment::{Channel, Experiment, Prior, Role, Run};
 use crate::hypothesis::Hypothesis;
 use crate::noise;
 use crate::overrides::Override;
@@ -102,6 +102,8 @@ impl Declared {
 pub struct Setup<'a> {
     /// The measured data.
     pub experiment: &'a Experiment,
+    /// The rows as measured, if the data are means of them; what is found is evaluated there.
+    pub all_rows: Option<&'a Experiment>,
     /// The model with the experiment's start values.
     pub bench: Arc<Bench>,
     /// The inputs of the runs as measured.
@@ -144,8 +146,6 @@ impl<'a> Setup<'a> {
         let mut bench = Bench::new(experiment, preset)?;
         bench.ease = EASE;
         bench.lenient = true;
-        let drives =
-            experiment.runs.iter().map(|run| Drive::new(experiment, run)).collect::<Result<Vec<_>, _>>()?;
         let of_all = experiment.priors.iter().map(|p| (p, None));
         let declared = of_all.chain(of_one_run(experiment)).map(|(p, runs)| {
             let entry = bench
@@ -162,32 +162,62 @@ impl<'a> Setup<'a> {
             Ok(Declared { name, runs, is_released, ..Declared::new(entry, prior, deviation) })
         });
         let declared = declared.collect::<Result<Vec<_>, CalibrateError>>()?;
-        let all = (f64::NEG_INFINITY, f64::INFINITY);
-        let windows: Vec<(f64, f64)> = experiment.runs.iter().map(|run| run.window.unwrap_or(all)).collect();
-        let blocks = experiment
-            .runs
-            .iter()
-            .zip(&windows)
-            .map(|(run, window)| Arc::new(blocks(experiment, run, *window)))
-            .collect();
-        let drives = Arc::new(drives);
-        let mut own = Setup {
+        let own = Setup {
             experiment,
+            all_rows: None,
             bench: Arc::new(bench),
-            driven: Arc::clone(&drives),
-            smooth: Arc::clone(&drives),
-            drives,
+            driven: Arc::default(),
+            smooth: Arc::default(),
+            drives: Arc::default(),
             declared,
             kept: Vec::new(),
-            noise: noise::of_experiment(experiment),
+            noise: Vec::new(),
             between: Vec::new(),
             remembered: Vec::new(),
             reached: Arc::default(),
             structure: Arc::default(),
+            windows: Vec::new(),
+            blocks: Vec::new(),
+        };
+        own.with_rows(experiment)
+    }
+
+    /// Copy for the rows of this experiment, which otherwise is the same.
+    fn with_rows(&self, experiment: &'a Experiment) -> Result<Setup<'a>, CalibrateError> {
+        let runs = || experiment.runs.iter();
+        let drives = runs().map(|run| Drive::new(experiment, run)).collect::<Result<Vec<_>, _>>()?;
+        let drives = Arc::new(drives);
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        let windows: Vec<(f64, f64)> = runs().map(|run| run.window.unwrap_or(all)).collect();
+        let of_run = |(run, window): (&Run, &(f64, f64))| Arc::new(blocks(experiment, run, *window));
+        let mut own = Setup {
+            experiment,
+            driven: Arc::clone(&drives),
+            smooth: Arc::clone(&drives),
+            drives,
+            noise: noise::of_experiment(experiment),
+            blocks: runs().zip(&windows).map(of_run).collect(),
             windows,
-            blocks,
+            ..self.clone()
         };
         own.smooth_inputs();
+        Ok(own)
+    }
+
+    /// Copy for the rows as measured, with their noise at a hypothesis; the setup itself if its rows are no means.
+    ///
+    /// # Errors
+    /// The model's error if it cannot be simulated.
+    pub fn at_all_rows(&self, found: &Hypothesis) -> Result<Setup<'a>, CalibrateError> {
+        let Some(all) = self.all_rows else { return Ok(self.clone()) };
+        let mut own = self.with_rows(all)?;
+        own.all_rows = None;
+        own.between.clear();
+        if !self.between.is_empty() {
+            own = own.with_between_runs(&self.between);
+        }
+        let fit = own.runs(Role::Fit);
+        own.include_input_noise(found, &fit)?;
         Ok(own)
     }
 

@@ -50,7 +50,7 @@ pub mod wrapped;
 use super::{Predicted, Unusable};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Experiment, Role, Run, Start};
+use crate::experiment::{Experiment, Role, Start};
 use crate::hypothesis::Hypothesis;
 use crate::levels::{CERTAIN, FACTOR, NEARLY, SAMPLES, STRUCTURE};
 use crate::selection::LEAST;
@@ -174,34 +174,8 @@ fn worst(outputs: &[Option<(f64, f64)>]) -> f64 {
     outputs.iter().flatten().map(|(q, _)| *q).fold(0.0, f64::max)
 }
 
-/// Number of rows over which a run is averaged: at most `most` means, or more where the mean square of an input that is a load, and with
-/// it a loss, would fall by [`STRUCTURE`] of that in all runs: a load that alternates within such a time. `squares` are the loads' indices
-/// with their greatest mean square in a run.
-fn length(run: &Run, squares: &[(usize, f64)], most: usize) -> usize {
-    let is_kept = |length: usize, k: usize, of_all: f64| {
-        let column = &run.table.columns[k];
-        let means: Vec<f64> = column.chunks(length).map(|part| mean(part.iter().copied())).collect();
-        square(column) - square(&means) <= STRUCTURE * of_all
-    };
-    let mut length = run.table.time.len().div_ceil(most);
-    while length > 1 && !squares.iter().all(|(k, of_all)| is_kept(length, *k, *of_all)) {
-        length = length.div_ceil(2);
-    }
-    length
-}
-
-fn square(column: &[f64]) -> f64 {
-    mean(column.iter().map(|x| x * x))
-}
-
-/// Mean of the values that are numbers.
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) =
-        values.filter(|x| x.is_finite()).fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
-    sum / count
-}
-
-/// The experiment with means over neighbouring rows: sufficient for detecting a mistake, and faster to simulate.
+/// The experiment with at most `most` means in a run, or more if a load alternates: sufficient for detecting a mistake, and faster to
+/// simulate.
 pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
     let mut thin = experiment.clone();
     // A frozen sensor contradicts every hypothesis on its column.
@@ -214,22 +188,7 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
             }
         }
     }
-    let greatest =
-        |k: usize| experiment.runs.iter().map(|run| square(&run.table.columns[k])).fold(0.0, f64::max);
-    let loads = experiment.inputs.iter().enumerate().filter(|(_, channel)| !channel.is_temperature());
-    let squares: Vec<(usize, f64)> = loads.map(|(k, _)| (k, greatest(k))).collect();
-    for (table, run) in thin.runs.iter_mut().map(|r| &mut r.table).zip(&experiment.runs) {
-        let length = length(run, &squares, most);
-        let means = |column: &[f64]| -> Vec<f64> {
-            column.chunks(length).map(|rows| mean(rows.iter().copied())).collect()
-        };
-        table.columns = table.columns.iter().map(|c| means(c)).collect();
-        // The start time of a run is preserved.
-        let first = table.time[0];
-        table.time = means(&table.time);
-        table.time[0] = first;
-    }
-    thin
+    thin.with_means(|run| run.table.time.len().div_ceil(most)).0
 }
 
 /// Fit that predicts an output.
