@@ -116,7 +116,11 @@ fn series(setup: &Setup) -> Vec<Series> {
         Series {
             role: of.role,
             time: of.table.time.clone(),
-            inputs: used.iter().zip(&sizes).map(|(k, of)| inputs[*k].iter().map(|x| x / of).collect()).collect(),
+            inputs: used
+                .iter()
+                .zip(&sizes)
+                .map(|(k, of)| inputs[*k].iter().map(|x| x / of).collect())
+                .collect(),
             ambient: ambient.map_or_else(|| vec![0.0; rows], |k| inputs[k].clone()),
             outputs: of.table.columns[experiment.inputs.len()..].to_vec(),
             counts: of.table.time.iter().map(|t| (from..=to).contains(t)).collect(),

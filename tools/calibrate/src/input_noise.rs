@@ -316,7 +316,7 @@ mod tests {
         let of = |setup: &Setup| (error(setup, 10, half - 10), error(setup, half + 10, 2 * half - 10));
         let (before, loaded_before) = of(&setup);
         let fitted = setup.judged(setup.preset(), &[0]).unwrap();
-        setup.include_input_noise(&fitted, &[0]).unwrap();
+        setup.include_input_noise(&fitted.hypothesis, &[0]).unwrap();
         let (after, loaded) = of(&setup);
         assert!(before.0 > 0.8 * noise && after.0 < 0.4 * noise, "{before:?} {after:?}");
         assert!((after.1 - before.1).abs() < 0.1 * offset, "{before:?} {after:?}");

@@ -1,21 +1,30 @@
 //! Means over blocks of successive rows: a fast logger's file has more rows than the motor's response has detail, and each costs the time of
 //! a simulation step.
 //!
-//! A block ends at a gap and at the ends of the evaluated window. Blocks are shortened until the mean square of each load, and with it a
-//! loss, keeps all but [`STRUCTURE`] of its value: a load that alternates within a block heats the motor by its mean square, which means do
-//! not have.
+//! Blocks are shortened until the mean square of each load, and with it a loss, keeps all but [`STRUCTURE`] of its value: a load that
+//! alternates within a block heats the motor by its mean square, which means do not have.
 
 use crate::experiment::{Experiment, Run};
-use crate::levels::STRUCTURE;
+use crate::levels::{SMALL, STRUCTURE};
 use crate::noise;
 use std::ops::Range;
 
 /// Rows of all runs together from which means take their place in a search. Definition: four runs of 1.5 h with a row every 2 s, for which
 /// the search is made, are 10,800 rows; a tenth more has none.
 const MOST_ROWS: f64 = 12_000.0;
+/// Number of means. Definition: half of that, so that a block has two rows or more.
+const MEANS: f64 = MOST_ROWS / 2.0;
 /// Noise, in quantization steps, from which the error of a mean decreases with the number of its readings. Source: Widrow, Kollar,
 /// Quantization Noise (2008), ch. 19: with Gaussian dither of half a step, the mean of the quantization error is below 0.5 % of a step.
 const DITHER: f64 = 0.5;
+
+/// How the rows of a run are divided.
+pub struct Division {
+    /// Greatest number of rows in a block.
+    pub length: usize,
+    /// Parts of the run that blocks do not cross.
+    pub pieces: Vec<Range<usize>>,
+}
 
 impl Experiment {
     /// The experiment with means in all runs, if it has more rows than a search is made for; a note says so.
@@ -24,15 +33,17 @@ impl Experiment {
         if rows as f64 <= MOST_ROWS {
             return None;
         }
-        let span: f64 = self.runs.iter().map(|run| run.table.span()).sum();
-        // The usual interval of a run, without its gaps, in blocks of equal time: a run of a slower logger keeps its rows.
-        let length = |run: &Run| (span / MOST_ROWS / usual_interval(run)).round().max(1.0) as usize;
-        let (means, lengths) = self.with_means(length);
+        // Blocks of equal time: a run of a slower logger keeps its rows.
+        let block = self.runs.iter().map(|run| run.table.span()).sum::<f64>() / MEANS;
+        let steps: Vec<(usize, f64)> = self.loads().map(|k| (k, SMALL * self.range_of(k))).collect();
+        let (mut means, lengths) = self.with_means(|run| {
+            let length = (block / usual_interval(run)).round().max(1.0) as usize;
+            pieces(run, &steps).map(|pieces| Division { length, pieces })
+        });
         let (least, most) = (*lengths.iter().min()?, *lengths.iter().max()?);
         if most == 1 {
             return None;
         }
-        let mut means = means;
         for (n, channel) in self.inputs.iter().chain(&self.outputs).enumerate() {
             if let Some(stated) = means.noise.get_mut(channel.column) {
                 *stated /= (least as f64).sqrt();
@@ -49,39 +60,65 @@ impl Experiment {
         let now: usize = means.runs.iter().map(|run| run.table.time.len()).sum();
         let of = if least == most { format!("{most}") } else { format!("{least} to {most}") };
         means.notes.push(format!(
-            "the runs have {rows} rows: parameters and effects were found with {now} means over {of} rows each (about {:.2} s); all errors \
-             are those of the rows as measured",
-            span / now as f64
+            "the runs have {rows} rows: parameters and effects were found with {now} means over {of} rows each (about {block:.2} s), or fewer \
+             rows at steps of the load; all errors are those of the rows as measured"
         ));
         Some(means)
     }
 
-    /// The experiment with means over at most `length` rows in each run, and the lengths after shortening.
-    pub fn with_means(&self, length: impl Fn(&Run) -> usize) -> (Experiment, Vec<usize>) {
+    /// The experiment with means over blocks of rows, and the length of the blocks of each run after shortening; `None` keeps the rows of a
+    /// run. Outputs have a blank in blocks of less than half the length, whose noise is not that of the others.
+    pub fn with_means(&self, division: impl Fn(&Run) -> Option<Division>) -> (Experiment, Vec<usize>) {
         let greatest = |k: usize| self.runs.iter().map(|r| square(&r.table.columns[k])).fold(0.0, f64::max);
-        let loads = self.inputs.iter().enumerate().filter(|(_, channel)| !channel.is_temperature());
-        let squares: Vec<(usize, f64)> = loads.map(|(k, _)| (k, greatest(k))).collect();
+        let squares: Vec<(usize, f64)> = self.loads().map(|k| (k, greatest(k))).collect();
         let mut means = self.clone();
-        let shorten = |run: &mut Run| {
-            let pieces = pieces(run);
+        let average = |run: &mut Run| {
+            let Some(Division { mut length, pieces }) = division(run) else { return 1 };
+            let blocks = |length: usize| -> Vec<Range<usize>> {
+                let of = |rows: &Range<usize>| {
+                    let end = rows.end;
+                    rows.clone().step_by(length).map(move |from| from..end.min(from + length))
+                };
+                pieces.iter().flat_map(of).collect()
+            };
             let is_kept = |length: usize, k: usize, of_all: f64| {
                 let column = &run.table.columns[k];
-                square(column) - square(&of_blocks(column, &pieces, length)) <= STRUCTURE * of_all
+                square(column) - square(&of_blocks(column, &blocks(length))) <= STRUCTURE * of_all
             };
-            let mut length = length(run);
             while length > 1 && !squares.iter().all(|(k, of_all)| is_kept(length, *k, *of_all)) {
                 length = length.div_ceil(2);
             }
-            let table = &mut run.table;
-            table.columns = table.columns.iter().map(|c| of_blocks(c, &pieces, length)).collect();
-            // The start time of a run is preserved.
+            if length == 1 {
+                return length;
+            }
+            let (blocks, table) = (blocks(length), &mut run.table);
+            table.columns = table.columns.iter().map(|column| of_blocks(column, &blocks)).collect();
+            // The start of a run is preserved.
             let first = table.time.first().copied();
-            table.time = of_blocks(&table.time, &pieces, length);
+            table.time = of_blocks(&table.time, &blocks);
             table.time.iter_mut().zip(first).for_each(|(own, first)| *own = first);
+            for column in &mut table.columns[self.inputs.len()..] {
+                let short =
+                    column.iter_mut().zip(&blocks).skip(1).filter(|(_, rows)| 2 * rows.len() < length);
+                short.for_each(|(reading, _)| *reading = f64::NAN);
+            }
             length
         };
-        let lengths = means.runs.iter_mut().map(shorten).collect();
+        let lengths = means.runs.iter_mut().map(average).collect();
         (means, lengths)
+    }
+
+    /// Indices of the inputs that are loads.
+    fn loads(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.inputs.len()).filter(|k| !self.inputs[*k].is_temperature())
+    }
+
+    /// Difference of the greatest and the least reading of a column in all runs.
+    fn range_of(&self, k: usize) -> f64 {
+        let readings = self.runs.iter().flat_map(|run| &run.table.columns[k]).filter(|x| x.is_finite());
+        let (least, most) =
+            readings.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        (most - least).max(0.0)
     }
 }
 
@@ -92,22 +129,30 @@ fn usual_interval(run: &Run) -> f64 {
     all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
-/// Rows of a run between its gaps and the ends of its window.
-fn pieces(run: &Run) -> Vec<Range<usize>> {
-    let time = &run.table.time;
+/// The rows of a run between its gaps, the ends of its window, and the steps of these loads, each with its least step. The two rows of a step
+/// are pieces of their own, so that it stays one: the mean square of a ramp is smaller. `None` if steps are no exception.
+fn pieces(run: &Run, steps: &[(usize, f64)]) -> Option<Vec<Range<usize>>> {
+    let table = &run.table;
+    let moves = |row: usize| {
+        steps.iter().any(|(k, least)| (table.columns[*k][row + 1] - table.columns[*k][row]).abs() > *least)
+    };
+    let stepped: Vec<usize> = (0..table.time.len().saturating_sub(1)).filter(|row| moves(*row)).collect();
+    if stepped.len() as f64 > SMALL * table.time.len() as f64 {
+        return None;
+    }
     let (from, to) = run.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-    let mut ends: Vec<usize> = run.table.gaps().map(|row| row + 1).collect();
-    ends.extend([time.partition_point(|t| *t < from), time.partition_point(|t| *t <= to), time.len()]);
+    let [from, to] = [table.time.partition_point(|t| *t < from), table.time.partition_point(|t| *t <= to)];
+    let mut ends: Vec<usize> = table.gaps().map(|row| row + 1).chain([from, to, table.time.len()]).collect();
+    ends.extend(stepped.iter().flat_map(|row| [*row, row + 1, row + 2]));
     ends.sort_unstable();
     let mut first = 0;
     let piece = |end: usize| std::mem::replace(&mut first, end)..end;
-    ends.into_iter().map(piece).filter(|rows| !rows.is_empty()).collect()
+    Some(ends.into_iter().map(piece).filter(|rows| !rows.is_empty()).collect())
 }
 
-/// Means of a column over blocks of the pieces.
-fn of_blocks(column: &[f64], pieces: &[Range<usize>], length: usize) -> Vec<f64> {
-    let blocks = pieces.iter().flat_map(|rows| column[rows.clone()].chunks(length));
-    blocks.map(|block| mean(block.iter().copied())).collect()
+/// Means of a column over blocks.
+fn of_blocks(column: &[f64], blocks: &[Range<usize>]) -> Vec<f64> {
+    blocks.iter().map(|rows| mean(column[rows.clone()].iter().copied())).collect()
 }
 
 fn square(column: &[f64]) -> f64 {

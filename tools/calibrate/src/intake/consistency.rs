@@ -50,9 +50,10 @@ pub mod wrapped;
 use super::{Predicted, Unusable};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Experiment, Role, Start};
+use crate::experiment::{Experiment, Role, Run, Start};
 use crate::hypothesis::Hypothesis;
 use crate::levels::{CERTAIN, FACTOR, NEARLY, SAMPLES, STRUCTURE};
+use crate::means::Division;
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 pub use mistakes::Mistake;
@@ -188,7 +189,11 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
             }
         }
     }
-    thin.with_means(|run| run.table.time.len().div_ceil(most)).0
+    let whole = |run: &Run| {
+        let rows = run.table.time.len();
+        Some(Division { length: rows.div_ceil(most), pieces: vec![0..rows] })
+    };
+    thin.with_means(whole).0
 }
 
 /// Fit that predicts an output.
