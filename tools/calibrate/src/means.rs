@@ -1,11 +1,11 @@
 //! Means over blocks of successive rows: a fast logger's file has more rows than the motor's response has detail, and each costs the time of
 //! a simulation step.
 //!
-//! Blocks are shortened until the mean square of each load, and with it a loss, keeps all but [`STRUCTURE`] of its value: a load that
-//! alternates within a block heats the motor by its mean square, which means do not have.
+//! Blocks are shortened until the mean square of each load, and with it a loss, keeps nearly all of its value: a load that alternates within a
+//! block heats the motor by its mean square, which means do not have.
 
 use crate::experiment::{Experiment, Run};
-use crate::levels::{SMALL, STRUCTURE};
+use crate::levels::{NEGLIGIBLE, SMALL, STRUCTURE};
 use crate::noise;
 use std::ops::Range;
 
@@ -24,6 +24,8 @@ pub struct Division {
     pub length: usize,
     /// Parts of the run that blocks do not cross.
     pub pieces: Vec<Range<usize>>,
+    /// What the mean square of a load may lose, relative to its greatest in a run.
+    pub loss: f64,
 }
 
 impl Experiment {
@@ -38,7 +40,7 @@ impl Experiment {
         let steps: Vec<(usize, f64)> = self.loads().map(|k| (k, SMALL * self.range_of(k))).collect();
         let (mut means, lengths) = self.with_means(|run| {
             let length = (block / usual_interval(run)).round().max(1.0) as usize;
-            pieces(run, &steps).map(|pieces| Division { length, pieces })
+            pieces(run, &steps).map(|pieces| Division { length, pieces, loss: NEGLIGIBLE * STRUCTURE })
         });
         let (least, most) = (*lengths.iter().min()?, *lengths.iter().max()?);
         if most == 1 {
@@ -73,7 +75,7 @@ impl Experiment {
         let squares: Vec<(usize, f64)> = self.loads().map(|k| (k, greatest(k))).collect();
         let mut means = self.clone();
         let average = |run: &mut Run| {
-            let Some(Division { mut length, pieces }) = division(run) else { return 1 };
+            let Some(Division { mut length, pieces, loss }) = division(run) else { return 1 };
             let blocks = |length: usize| -> Vec<Range<usize>> {
                 let of = |rows: &Range<usize>| {
                     let end = rows.end;
@@ -83,7 +85,7 @@ impl Experiment {
             };
             let is_kept = |length: usize, k: usize, of_all: f64| {
                 let column = &run.table.columns[k];
-                square(column) - square(&of_blocks(column, &blocks(length))) <= STRUCTURE * of_all
+                square(column) - square(&of_blocks(column, &blocks(length))) <= loss * of_all
             };
             while length > 1 && !squares.iter().all(|(k, of_all)| is_kept(length, *k, *of_all)) {
                 length = length.div_ceil(2);
