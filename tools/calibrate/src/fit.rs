@@ -24,8 +24,7 @@ use nalgebra::{DMatrix, DVector};
 use physics::terms::Port;
 
 /// Options of a fit near the optimum. Numerical: a step that reduces (1) by less than `decrease` is the last; strong evidence is 60
-/// times as much. Where the residual is a multiple of the noise, `decrease` is that multiple of its mean square
-/// ([`fit_scaled`](Setup::fit_scaled)), because the standard deviations of the parameters are.
+/// times as much.
 const OPTIONS: Options = Options {
     damping: 1e-6,
     linearisations: 6,
@@ -235,9 +234,7 @@ impl Setup<'_> {
         let numbers = start.numbers();
         let x =
             DVector::from_iterator(scales.len(), numbers.iter().zip(&scales).map(|(p, s)| s.variable(*p)));
-        let readings = self.readings(runs).max(1) as f64;
-        let options = Options { relative_decrease: options.decrease / readings, ..*options };
-        Ok(minimise(&Fit { setup: self, start: &start, runs, scales }, x, &limits, &options)?.point)
+        Ok(minimise(&Fit { setup: self, start: &start, runs, scales }, x, &limits, options)?.point)
     }
 
     /// Transformation of the parameters to the variables of the fit.

@@ -384,11 +384,6 @@ impl<'a> Setup<'a> {
         (sum, count)
     }
 
-    /// Number of readings of the outputs inside the windows of runs.
-    pub fn readings(&self, runs: &[usize]) -> usize {
-        runs.iter().flat_map(|run| self.blocks[*run].iter()).map(|block| block.rows.len()).sum()
-    }
-
     /// The weighted sum of squares over runs, output by output.
     pub fn chi_squares(&self, runs: &[usize], shown: &[Shown]) -> Vec<f64> {
         let sums = self.squares(runs, shown).into_iter().enumerate();
