@@ -82,8 +82,7 @@ pub fn run(
     progress(0.0, "fitting the declared parameters");
     let deadline = options.budget.map_or_else(Deadline::default, Deadline::after);
     let means = experiment.of_means();
-    let mut setup = Setup::new(means.as_ref().unwrap_or(experiment), preset)?.until(deadline.clone());
-    setup.all_rows = means.as_ref().map(|_| experiment);
+    let setup = Setup::of_means(experiment, means.as_ref(), preset)?.until(deadline.clone());
     let outcome = closed(&setup, options, begun, progress)?;
     // With the effects that were found, the values of the preset may be right: the parameters stood in for the effects.
     let setup = setup.without(&outcome.stood_in());

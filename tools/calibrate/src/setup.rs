@@ -182,6 +182,19 @@ impl<'a> Setup<'a> {
         own.with_rows(experiment)
     }
 
+    /// The same for an experiment with means over its rows, if there are any.
+    ///
+    /// # Errors
+    /// As [`new`](Setup::new).
+    pub fn of_means(
+        experiment: &'a Experiment,
+        means: Option<&'a Experiment>,
+        preset: &[(u32, f64)],
+    ) -> Result<Setup<'a>, CalibrateError> {
+        let all_rows = means.map(|_| experiment);
+        Ok(Setup { all_rows, ..Setup::new(means.unwrap_or(experiment), preset)? })
+    }
+
     /// Copy for the rows of this experiment, which otherwise is the same.
     fn with_rows(&self, experiment: &'a Experiment) -> Result<Setup<'a>, CalibrateError> {
         let runs = || experiment.runs.iter();

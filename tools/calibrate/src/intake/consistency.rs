@@ -191,7 +191,11 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
     }
     let whole = |run: &Run| {
         let rows = run.table.time.len();
-        Some(Division { length: rows.div_ceil(most), pieces: vec![0..rows], loss: STRUCTURE })
+        Some(Division {
+            length: rows.div_ceil(most),
+            pieces: std::iter::once(0..rows).collect(),
+            loss: STRUCTURE,
+        })
     };
     thin.with_means(whole).0
 }

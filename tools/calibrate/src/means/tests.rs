@@ -57,8 +57,13 @@ fn a_step_stays_a_step() {
     assert!(readings.clone().all(|(t, y)| (y - 300.0 - 0.01 * t).abs() < 1e-9));
     assert!(readings.count() > 5900);
     // Without pieces the steps would be ramps over a block.
-    let whole =
-        |run: &Run| Some(Division { length: 5, pieces: vec![0..run.table.time.len()], loss: STRUCTURE });
+    let whole = |run: &Run| {
+        Some(Division {
+            length: 5,
+            pieces: std::iter::once(0..run.table.time.len()).collect(),
+            loss: STRUCTURE,
+        })
+    };
     let (ramps, _) = experiment.with_means(whole);
     assert!((heat(&ramps) / heat(&experiment) - 1.0).abs() > 5e-4);
 }
