@@ -64,6 +64,15 @@ pub fn black_boxes(setup: &Setup, deadline: &Deadline) -> Vec<BlackBox> {
     found
 }
 
+impl BlackBox {
+    /// Adds to the errors over means the noise of a reading beyond that of a mean: a reading differs from the mean of its block by noise.
+    pub fn at_all_rows(&mut self, means: &Setup, all: &Setup) {
+        let Some(k) = means.experiment.outputs.iter().position(|c| c.column == self.column) else { return };
+        let within = (all.sensor_noise(k).powi(2) - means.sensor_noise(k).powi(2)).max(0.0);
+        self.errors.iter_mut().for_each(|(_, error)| *error = (error.powi(2) + within).sqrt());
+    }
+}
+
 /// The validation error of a candidate; without validation data, the root of the final prediction error. `None` if not finite.
 fn score(all: &[Series], output: usize, candidate: &Candidate) -> Option<f64> {
     let value = match rmse(all, output, candidate, Role::Validate) {

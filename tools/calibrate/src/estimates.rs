@@ -119,7 +119,10 @@ pub fn outcome(
     };
     let endings: Vec<String> = all.iter().zip(ends).filter_map(ended).collect();
     notes.extend(endings.iter().cloned());
-    let boxes = black_boxes(setup, &Deadline::after(judged.time_for_boxes));
+    let mut boxes = black_boxes(means, &Deadline::after(judged.time_for_boxes));
+    if means.all_rows.is_some() {
+        boxes.iter_mut().for_each(|own| own.at_all_rows(means, setup));
+    }
     let mut errors = Vec::new();
     let mut half_widths = vec![Shown::new(); all.len()];
     // The structure error of the fit runs, then that of the validation runs, which are not fitted.
