@@ -85,7 +85,7 @@ impl Experiment {
             };
             let is_kept = |length: usize, k: usize, of_all: f64| {
                 let column = &run.table.columns[k];
-                square(column) - square(&of_blocks(column, &blocks(length))) <= loss * of_all
+                square(column) - square_of_means(column, &blocks(length)) <= loss * of_all
             };
             while length > 1 && !squares.iter().all(|(k, of_all)| is_kept(length, *k, *of_all)) {
                 length = length.div_ceil(2);
@@ -155,6 +155,14 @@ fn pieces(run: &Run, steps: &[(usize, f64)]) -> Option<Vec<Range<usize>>> {
 /// Means of a column over blocks.
 fn of_blocks(column: &[f64], blocks: &[Range<usize>]) -> Vec<f64> {
     blocks.iter().map(|rows| mean(column[rows.clone()].iter().copied())).collect()
+}
+
+/// Mean square of the means of a column over blocks, each with the weight of its rows.
+fn square_of_means(column: &[f64], blocks: &[Range<usize>]) -> f64 {
+    let known = of_blocks(column, blocks).into_iter().zip(blocks).filter(|(mean, _)| mean.is_finite());
+    let of = |(mean, rows): (f64, &Range<usize>)| (rows.len() as f64 * mean * mean, rows.len() as f64);
+    let (sum, rows) = known.map(of).fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
+    sum / rows
 }
 
 fn square(column: &[f64]) -> f64 {

@@ -52,6 +52,8 @@ fn a_step_stays_a_step() {
     let steps = own.columns[CURRENT].windows(2).filter(|pair| pair[0] != pair[1]).count();
     assert_eq!(steps, 39);
     assert!(own.columns[CURRENT].iter().all(|i| *i == 6.0 || *i == 0.0));
+    // The rows beside steps do not shorten the blocks.
+    assert!(note(&means).contains("over 5 rows"), "{}", note(&means));
     let stepped = (1..own.time.len()).filter(|k| own.columns[CURRENT][*k] != own.columns[CURRENT][k - 1]);
     assert!(stepped.flat_map(|k| [k - 1, k]).all(|k| own.columns[winding][k].is_nan()));
     // A reading is at the time of the rows that it is the mean of.
