@@ -60,10 +60,6 @@ class Case:
     gap: bool = False
     warm: bool = False
 
-    @property
-    def rows(self) -> int:
-        return round(self.duration * sum(self.rates))
-
 
 CASES = {
     "viscous friction, 10 Hz": Case({VISCOUS: 1e-5}, (10, 10, 10)),

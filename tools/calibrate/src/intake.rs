@@ -39,6 +39,7 @@ use crate::experiment::{Channel, Experiment, Role, Run};
 use crate::fit::is_wide;
 use crate::hypothesis::Hypothesis;
 use crate::levels::{SAMPLES, SMALL, STRUCTURE};
+use crate::numbers::{ends, median, range, sorted};
 pub use crate::outcome::{Refusal, Unusable};
 use crate::overrides::Override;
 use crate::parallel;
@@ -415,30 +416,6 @@ pub fn mean_square(experiment: &Experiment, runs: &[usize], output: usize) -> (f
         }
     }
     (sum / count.max(1) as f64, count)
-}
-
-/// Difference of the greatest and the least number; 0 without any.
-fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let (low, high) = ends(values.filter(|x| x.is_finite()));
-    (high - low).max(0.0)
-}
-
-/// The least and the greatest number.
-fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
-}
-
-/// Sorted copy of the finite values.
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut all: Vec<f64> = values.filter(|x| x.is_finite()).collect();
-    all.sort_by(f64::total_cmp);
-    all
-}
-
-/// Median of the finite values; NaN if there are none.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let all = sorted(values);
-    all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

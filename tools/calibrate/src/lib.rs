@@ -54,6 +54,7 @@ mod levels;
 pub mod linearization;
 mod means;
 pub mod noise;
+mod numbers;
 pub mod outcome;
 pub mod overrides;
 mod parallel;

@@ -7,6 +7,7 @@
 use crate::experiment::{Experiment, Run};
 use crate::levels::{NEGLIGIBLE, SMALL, STRUCTURE};
 use crate::noise;
+use crate::numbers::{median, range};
 use std::ops::Range;
 
 /// Rows of all runs together from which means take their place in a search. Definition: four runs of 1.5 h with a row every 2 s, for which
@@ -37,9 +38,11 @@ impl Experiment {
         }
         // Blocks of equal time: a run of a slower logger keeps its rows.
         let block = self.runs.iter().map(|run| run.table.span()).sum::<f64>() / MEANS;
-        let steps: Vec<(usize, f64)> = self.loads().map(|k| (k, SMALL * self.range_of(k))).collect();
+        let span = |k: usize| range(self.runs.iter().flat_map(|run| run.table.columns[k].iter().copied()));
+        let steps: Vec<(usize, f64)> = self.loads().map(|k| (k, SMALL * span(k))).collect();
         let (mut means, lengths) = self.with_means(|run| {
-            let length = (block / usual_interval(run)).round().max(1.0) as usize;
+            let interval = median(run.table.time.windows(2).map(|pair| pair[1] - pair[0]));
+            let length = (block / interval).round().max(1.0) as usize;
             pieces(run, &steps).map(|pieces| Division { length, pieces, loss: NEGLIGIBLE * STRUCTURE })
         });
         let (least, most) = (*lengths.iter().min()?, *lengths.iter().max()?);
@@ -51,10 +54,11 @@ impl Experiment {
                 *stated /= (least as f64).sqrt();
             }
             let quantised = noise::quantised(self, n, channel);
-            let columns = self.runs.iter().map(|r| (r.table.time.as_slice(), r.table.columns[n].as_slice()));
-            let is_dithered = noise::of_columns(columns, channel.is_temperature())
-                .is_some_and(|sigma| sigma >= DITHER * 12f64.sqrt() * quantised);
-            if quantised > 0.0 && !is_dithered {
+            let is_dithered = || {
+                noise::of_runs(self, n, channel)
+                    .is_some_and(|sigma| sigma >= DITHER * 12f64.sqrt() * quantised)
+            };
+            if quantised > 0.0 && !is_dithered() {
                 let stated = means.noise.entry(channel.column).or_default();
                 *stated = stated.hypot(quantised);
             }
@@ -114,21 +118,6 @@ impl Experiment {
     fn loads(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.inputs.len()).filter(|k| !self.inputs[*k].is_temperature())
     }
-
-    /// Difference of the greatest and the least reading of a column in all runs.
-    fn range_of(&self, k: usize) -> f64 {
-        let readings = self.runs.iter().flat_map(|run| &run.table.columns[k]).filter(|x| x.is_finite());
-        let (least, most) =
-            readings.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-        (most - least).max(0.0)
-    }
-}
-
-/// Median interval between the rows of a run, s.
-fn usual_interval(run: &Run) -> f64 {
-    let mut all: Vec<f64> = run.table.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
 /// The rows of a run between its gaps, the ends of its window, and the steps of these loads, each with its least step. The two rows of a step

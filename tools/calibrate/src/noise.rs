@@ -150,12 +150,16 @@ pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
             if is_stated(experiment, channel) {
                 return experiment.noise[channel.column].hypot(quantised(experiment, n, channel));
             }
-            let columns =
-                experiment.runs.iter().map(|r| (r.table.time.as_slice(), r.table.columns[n].as_slice()));
             let least = least(experiment, n, channel);
-            of_columns(columns, channel.is_temperature()).unwrap_or(least).max(least)
+            of_runs(experiment, n, channel).unwrap_or(least).max(least)
         })
         .collect()
+}
+
+/// Noise of the `n`-th channel, inputs first, in the runs of an experiment ([`of_columns`]).
+pub fn of_runs(experiment: &Experiment, n: usize, channel: &Channel) -> Option<f64> {
+    let columns = experiment.runs.iter().map(|r| (r.table.time.as_slice(), r.table.columns[n].as_slice()));
+    of_columns(columns, channel.is_temperature())
 }
 
 /// Noise of a channel in several runs, from columns with their times: of a temperature the median of [`of_column`], because its noise may

@@ -195,7 +195,7 @@ impl<'a> Setup<'a> {
         Ok(Setup { all_rows, ..Setup::new(means.unwrap_or(experiment), preset)? })
     }
 
-    /// Copy for the rows of this experiment, which otherwise is the same.
+    /// Copy for the rows of this experiment, which otherwise is the same, with the noise of its readings.
     fn with_rows(&self, experiment: &'a Experiment) -> Result<Setup<'a>, CalibrateError> {
         let runs = || experiment.runs.iter();
         let drives = runs().map(|run| Drive::new(experiment, run)).collect::<Result<Vec<_>, _>>()?;
@@ -205,6 +205,8 @@ impl<'a> Setup<'a> {
         let of_run = |(run, window): (&Run, &(f64, f64))| Arc::new(blocks(experiment, run, *window));
         let mut own = Setup {
             experiment,
+            all_rows: None,
+            between: Vec::new(),
             driven: Arc::clone(&drives),
             smooth: Arc::clone(&drives),
             drives,
@@ -224,8 +226,6 @@ impl<'a> Setup<'a> {
     pub fn at_all_rows(&self, found: &Hypothesis) -> Result<Setup<'a>, CalibrateError> {
         let Some(all) = self.all_rows else { return Ok(self.clone()) };
         let mut own = self.with_rows(all)?;
-        own.all_rows = None;
-        own.between.clear();
         if !self.between.is_empty() {
             own = own.with_between_runs(&self.between);
         }

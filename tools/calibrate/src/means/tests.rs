@@ -1,7 +1,7 @@
 use super::*;
 use crate::testing;
 
-/// The test run of 300 rows with each row repeated at a tenth of its interval: a logger ten times as fast.
+/// The test run of 300 rows as a logger that is so many times as fast records it: each row repeated at a part of its interval.
 fn fast(times: usize) -> Experiment {
     let mut experiment = testing::experiment(testing::PRIORS, false);
     let table = &mut experiment.runs[0].table;
@@ -37,8 +37,8 @@ fn a_step_stays_a_step() {
         table.columns[CURRENT][k] = if k % 1503 < 1463 { 6.0 } else { 0.0 };
         table.columns[winding][k] = 300.0 + 0.01 * t;
     }
-    let heat = |table: &crate::experiment::Experiment| -> f64 {
-        let table = &table.runs[0].table;
+    let heat = |experiment: &Experiment| -> f64 {
+        let table = &experiment.runs[0].table;
         let current = &table.columns[CURRENT];
         let of = |k: usize| {
             let (a, b, h) = (current[k], current[k + 1], table.time[k + 1] - table.time[k]);
@@ -111,8 +111,8 @@ fn blocks_cross_neither_gaps_nor_windows() {
     assert!(own.columns[winding].iter().all(|y| y.is_nan() || *y == 300.0 || *y == 320.0));
     assert!(own.time.windows(2).all(|pair| pair[0] < pair[1]));
     assert!(!own.time.iter().any(|t| (before.time[12_000] + 1.0..before.time[12_001]).contains(t)));
-    let inside = |table: &crate::experiment::Run| {
-        let times = table.table.time.iter().filter(|t| (ends.0..=ends.1).contains(*t));
+    let inside = |run: &Run| {
+        let times = run.table.time.iter().filter(|t| (ends.0..=ends.1).contains(*t));
         times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)))
     };
     let (first, last) = inside(&means.runs[0]);
@@ -136,8 +136,7 @@ fn noise_of_means() {
     }
     let of = |name: &str, means: &Experiment| means.noise[name];
     let means = experiment.of_means().unwrap();
-    let length = 5f64;
-    let own = testing::NOISE / length.sqrt();
+    let own = testing::NOISE / 5f64.sqrt();
     assert!((of("winding_temperature_degC", &means) / own - 1.0).abs() < 1e-9);
     let stepped = own.hypot(0.1 / 12f64.sqrt());
     assert!((of("housing_temperature_degC", &means) / stepped - 1.0).abs() < 1e-6);

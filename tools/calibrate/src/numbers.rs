@@ -1,0 +1,25 @@
+//! Order statistics of readings with blanks.
+
+/// Difference of the greatest and the least number; 0 without any.
+pub fn range(values: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = ends(values.filter(|x| x.is_finite()));
+    (high - low).max(0.0)
+}
+
+/// The least and the greatest number.
+pub fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+}
+
+/// Sorted copy of the finite values.
+pub fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut all: Vec<f64> = values.filter(|x| x.is_finite()).collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// Median of the finite values; NaN if there are none.
+pub fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let all = sorted(values);
+    all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+}
