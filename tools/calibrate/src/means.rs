@@ -37,12 +37,12 @@ impl Experiment {
             return None;
         }
         // Blocks of equal time: a run of a slower logger keeps its rows.
-        let block = self.runs.iter().map(|run| run.table.span()).sum::<f64>() / MEANS;
+        let all = self.runs.iter().map(|run| run.table.span()).sum::<f64>();
         let span = |k: usize| range(self.runs.iter().flat_map(|run| run.table.columns[k].iter().copied()));
         let steps: Vec<(usize, f64)> = self.loads().map(|k| (k, SMALL * span(k))).collect();
         let (mut means, lengths) = self.with_means(|run| {
             let interval = median(run.table.time.windows(2).map(|pair| pair[1] - pair[0]));
-            let length = (block / interval).round().max(1.0) as usize;
+            let length = (all / MEANS / interval).round().max(1.0) as usize;
             pieces(run, &steps).map(|pieces| Division { length, pieces, loss: NEGLIGIBLE * STRUCTURE })
         });
         let (least, most) = (*lengths.iter().min()?, *lengths.iter().max()?);
@@ -66,8 +66,9 @@ impl Experiment {
         let now: usize = means.runs.iter().map(|run| run.table.time.len()).sum();
         let of = if least == most { format!("{most}") } else { format!("{least} to {most}") };
         means.notes.push(format!(
-            "the runs have {rows} rows: parameters and effects were found with {now} means over {of} rows each (about {block:.2} s), or fewer \
-             rows at steps of the load; all errors are those of the rows as measured"
+            "the runs have {rows} rows: parameters and effects were found with {now} means over {of} rows each (about {:.2} s), or fewer \
+             rows at steps of the load; all errors are those of the rows as measured",
+            all / now as f64
         ));
         Some(means)
     }
