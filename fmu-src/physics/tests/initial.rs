@@ -7,6 +7,7 @@ use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::cooling::method;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
 use physics::models::brushed_gearmotor::BrushedGearmotor;
+use physics::terms::{Driver, Factor, GenericTerm, Lag, Law, Port, Product};
 
 fn slot(m: &dyn Model, name: &str) -> Slot {
     m.declaration().by_name(name).unwrap_or_else(|| panic!("no variable {name}")).slot
@@ -155,6 +156,60 @@ fn a_run_goes_on_from_the_states_of_another() {
         assert_same(first.as_mut(), second.as_mut(), &what);
         // The energies of the second run count from its own start.
         assert!(get(second.as_mut(), "energy_balance_error").abs() < 1e-6, "{what}");
+    }
+}
+
+/// Lags of a temperature, of a speed and of a heat flow start where those of another run are, which its driver does not tell.
+#[test]
+fn a_run_goes_on_from_the_lags_of_its_terms() {
+    let term = |port: Port, driver: Driver, coefficient: f64, tau: f64, difference: bool| {
+        let factor = Factor { driver, offset: 0.0, reference: 1.0, exponent: 1.0, range: Factor::UNLIMITED };
+        let law = Law::Product(Product { coefficient, factors: [Some(factor), None, None] });
+        GenericTerm { lag: Some(Lag { driver, tau, difference }), ..GenericTerm::new(port, law) }
+    };
+    let terms = [
+        term(Port::HousingHeat, Driver::HousingTemperature, 0.4, 90.0, true),
+        term(Port::DragTorque, Driver::Speed, 1e-5, 7.0, false),
+        term(Port::WindingHeat, Driver::CopperLoss, 0.1, 30.0, false),
+    ];
+    for cooling in cooling_modes() {
+        let mut fresh = busy(DriveMode::Voltage, MechanicalMode::FreeShaft, cooling, Effects::default());
+        assert!(fresh.set_terms(&terms));
+        let mut first = fresh.clone();
+        first.start(0.0).unwrap();
+        for k in 0..200 {
+            first.step(f64::from(k) * 0.1, 0.1).unwrap();
+        }
+        let (stop, drivers) = (first.time(), first.drivers());
+        let mut go_on = |lags: bool| {
+            let mut fresh = fresh.clone();
+            for (k, term) in terms.iter().enumerate().filter(|_| lags) {
+                let driver = term.lag.unwrap().driver;
+                let state = get(&mut first, &format!("state.term_lag[{}]", k + 1));
+                set(
+                    &mut fresh,
+                    &format!("initial.term_lag_{}", k + 1),
+                    state - drivers.of(driver) / driver.nominal(),
+                );
+            }
+            let mut pairs = OF_MOTOR.to_vec();
+            if !method(cooling).has_network() {
+                pairs.last_mut().unwrap().1 = "state.core_temperature";
+            }
+            let mut second = continued(&mut first, &fresh, &pairs, stop);
+            for k in 0..100 {
+                second.step(stop + f64::from(k) * 0.1, 0.1).unwrap();
+            }
+            second
+        };
+        let [mut with, mut without] = [true, false].map(&mut go_on);
+        for k in 0..100 {
+            first.step(stop + f64::from(k) * 0.1, 0.1).unwrap();
+        }
+        assert_same(&mut first, with.as_mut(), &format!("{cooling:?}"));
+        assert!(get(with.as_mut(), "energy_balance_error").abs() < 1e-6, "{cooling:?}");
+        let apart = get(&mut first, "housing_temperature") - get(without.as_mut(), "housing_temperature");
+        assert!(apart.abs() > 1e-3, "{cooling:?}: lags that start at their drivers differ by {apart} K only");
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::comparison::digits;
 use crate::experiment::{CELSIUS, Role};
 use crate::fit::Slopes;
-use crate::hypothesis::{Hypothesis, followed};
+use crate::hypothesis::Hypothesis;
 use crate::levels::STRUCTURE;
 use crate::report::role_words;
 use crate::setup::Setup;
@@ -18,12 +18,12 @@ pub fn notes(
     runs: &[usize],
     slopes: &Slopes,
 ) -> Vec<String> {
-    let terms: Vec<GenericTerm> = hypothesis.additions.iter().filter_map(|a| a.term()).collect();
     let mut notes = Vec::new();
     for (run, tangent) in runs.iter().zip(&slopes.tangents) {
-        for term in &terms {
+        let term = |a: usize| hypothesis.place(a, *run).zip(hypothesis.additions[a].term());
+        for (place, term) in (0..hypothesis.additions.len()).filter_map(term) {
             for (driver, range) in term.law.ranges() {
-                let values = values(term, driver, &tangent.time, &tangent.drivers);
+                let values = values(&term, place, driver, &tangent.drivers);
                 let Some((reached, percent)) = beyond(&values, range) else { continue };
                 notes.push(format!(
                     "{} ({}): {}{} reaches {} in {} % of the run; the law on {} was found from {} to {} and is constant outside",
@@ -43,12 +43,11 @@ pub fn notes(
     notes
 }
 
-/// A driver of a term along a run, as the term takes it: with its lag, or as a magnitude.
-pub fn values(term: &GenericTerm, driver: Driver, time: &[f64], drivers: &[Drivers]) -> Vec<f64> {
-    let all: Vec<f64> = match term.lag.filter(|lag| lag.driver == driver) {
-        Some(lag) => followed(time, drivers, lag),
-        None => drivers.iter().map(|d| d.of(driver)).collect(),
-    };
+/// A driver of a term along a run, as the term takes it: with its lag, which is in this place, or as a magnitude.
+pub fn values(term: &GenericTerm, place: usize, driver: Driver, drivers: &[Drivers]) -> Vec<f64> {
+    let lag = term.lag.filter(|lag| lag.driver == driver);
+    let of = |d: &Drivers| lag.map_or(d.of(driver), |lag| lag.seen(d.lagged[place], d.of(driver)));
+    let all: Vec<f64> = drivers.iter().map(of).collect();
     let is_magnitude = matches!(term.law, Law::Product(_)) && !driver.has_sides();
     if is_magnitude { all.iter().map(|x| x.abs()).collect() } else { all }
 }
@@ -96,14 +95,16 @@ mod tests {
             Factor { driver: Driver::Speed, offset: 0.0, reference: 1.0, exponent: 1.0, range: (0.0, 9.0) };
         let power = Law::Product(Product { coefficient: 1.0, factors: [Some(factor), None, None] });
         let table = Law::Table(Table::new(Driver::Speed, &[0.0, 9.0], &[0.0, 1.0]).unwrap());
-        let (time, drivers) = ([0.0, 1.0, 2.0], [at(0.0), at(-8.0), at(-8.0)]);
+        let lagged = |z: f64| Drivers { lagged: [0.0, z, 0.0], ..at(-8.0) };
+        let drivers = [at(0.0), at(-8.0), lagged(-3.0)];
         let of = |law: Law, lag: Option<Lag>| {
-            values(&GenericTerm { port: Port::DragTorque, law, lag }, Driver::Speed, &time, &drivers)
+            values(&GenericTerm { port: Port::DragTorque, law, lag }, 1, Driver::Speed, &drivers)
         };
         assert_eq!(of(power, None), [0.0, 8.0, 8.0]);
         assert_eq!(of(table, None), [0.0, -8.0, -8.0]);
-        let late = of(table, Some(Lag { driver: Driver::Speed, tau: 10.0, difference: false }));
-        assert!(late[2] < late[1] && late[2] > -8.0, "{late:?}");
+        let lag = Lag { driver: Driver::Speed, tau: 10.0, difference: false };
+        assert_eq!(of(table, Some(lag)), [0.0, 0.0, -3.0]);
+        assert_eq!(of(table, Some(Lag { difference: true, ..lag })), [0.0, 8.0, 5.0]);
     }
 
     #[test]

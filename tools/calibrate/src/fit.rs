@@ -153,7 +153,9 @@ impl Slopes {
             Some((a, n)) => {
                 let addition = &hypothesis.additions[a];
                 addition.active[self.runs[r]].then(|| {
-                    let slopes = addition.slopes(n, &tangent.time, &tangent.drivers);
+                    let place = hypothesis.place(a, self.runs[r]);
+                    let above = place.map_or(0.0, |place| tangent.lag_starts_above(place));
+                    let slopes = addition.slopes(n, &tangent.time, &tangent.drivers, above);
                     tangent.response(direction, |row| slopes[row])
                 })
             }

@@ -111,11 +111,11 @@ const POWERS_OF_LOSSES: (f64, f64) = (0.5, 3.0);
 /// Relative change of a time constant for its finite-difference sensitivity. Numerical: the error of the sensitivity is 0.1 %.
 const WAY: f64 = 1e-3;
 
-/// What stands for a driver with a lag at the rows of a run, linear between rows; the initial state is the driver's initial value.
-pub fn followed(time: &[f64], drivers: &[Drivers], lag: Lag) -> Vec<f64> {
+/// What stands for a driver with a lag at the rows of a run, linear between rows; the initial state is `above` the driver's initial value.
+pub fn followed(time: &[f64], drivers: &[Drivers], lag: Lag, above: f64) -> Vec<f64> {
     let x = |row: usize| drivers[row].of(lag.driver);
     let mut all = Vec::with_capacity(time.len());
-    let mut reached = x(0);
+    let mut reached = x(0) + above;
     all.push(lag.seen(reached, x(0)));
     for row in 1..time.len() {
         let (from, to) = (x(row - 1), x(row));
@@ -157,13 +157,13 @@ impl Addition {
         }
     }
 
-    /// Derivative of the value with respect to one number, at each row of a run.
-    pub fn slopes(&self, number: usize, time: &[f64], drivers: &[Drivers]) -> Vec<f64> {
+    /// Derivative of the value with respect to one number, at each row of a run; a lag starts `above` its driver.
+    pub fn slopes(&self, number: usize, time: &[f64], drivers: &[Drivers], above: f64) -> Vec<f64> {
         let Some(lag) = self.lag() else {
             return drivers.iter().map(|d| self.slope(number, d)).collect();
         };
         let late = |lag: Lag| -> Vec<Drivers> {
-            let reached = followed(time, drivers, lag);
+            let reached = followed(time, drivers, lag, above);
             drivers.iter().zip(reached).map(|(d, z)| d.with(lag.driver, z)).collect()
         };
         let here = late(lag);
@@ -334,6 +334,13 @@ impl Hypothesis {
             place += addition.numbers.iter().filter(|n| n.sloped).count();
         }
         all
+    }
+
+    /// Place of an addition, by its index, among the terms of the model of a run; `None` if it does not act there, or is no term.
+    pub fn place(&self, addition: usize, run: usize) -> Option<usize> {
+        let is_term = |a: &Addition| a.active[run] && !a.is_listed();
+        let before = || self.additions[..addition].iter().filter(|a| is_term(a)).count();
+        is_term(&self.additions[addition]).then(before)
     }
 
     /// Sets the values of [`numbers`](Hypothesis::numbers).

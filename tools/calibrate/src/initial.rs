@@ -12,8 +12,15 @@
 //! Winding and housing without a reading in the run are unknown as well: in a motor that cools down, one differs from the other by many
 //! kelvin, and shows in its readings. Their y0 is the temperature of the nearest node with readings. With a small e, b stays near y0 only
 //! where the readings do not determine it: a node that has forgotten its start before the first reading.
+//!
+//! The lag of a term, such as the temperature of a mass that the model lacked, does not start at its driver's value either: a motor that
+//! ran before has warm magnets. It is one more unknown of such a run, in units of a typical change of its driver, and y0 = 0.
 //! *Sources*: Ljung, System Identification, 2nd ed. (1999), section 10.1 (initial conditions as unknowns of a record); Hoerl, Kennard,
 //! Technometrics 12 (1970) 55-67 (e: ridge regression).
+
+pub mod lags;
+#[cfg(test)]
+mod tests;
 
 use crate::CalibrateError;
 use crate::experiment::{Channel, Experiment, Run};
@@ -34,7 +41,7 @@ pub const PART: usize = 20;
 /// e of (1). Derivation: the noise of a thermometer, 0.05 K, in a difference between nodes of 50 K.
 const RIDGE: f64 = 1e-3;
 /// Difference of the initial temperatures for S, K. Numerical: a temperature difference over which conductances hardly change.
-pub const WARMER: f64 = 1.0;
+const WARMER: f64 = 1.0;
 
 /// A node that does not start at the ambient temperature, and its sensor.
 #[derive(Clone, Debug)]
@@ -94,28 +101,51 @@ pub fn sensors(experiment: &Experiment, run: &Run) -> Vec<Warm> {
 /// Readings by output and row, with their standard deviations.
 pub type Foretold = Vec<(usize, Vec<(f64, f64)>)>;
 
-/// A step, what the sensors show without it, and the equations.
-type Estimated = Result<Option<(DVector<f64>, Vec<Vec<f64>>, Starts)>, CalibrateError>;
+/// Values of the sensors at the rows of (1), by sensor and row, K.
+type Shown = Vec<Vec<f64>>;
+
+/// A solution of (1).
+struct Estimate {
+    /// Unknowns about which the temperatures are linear, with the lags of the solution.
+    at: Vec<f64>,
+    /// Step of the temperatures from there.
+    step: DVector<f64>,
+    /// What the sensors show without it.
+    shown: Shown,
+    starts: Starts,
+    readings: Shown,
+}
+
+impl Estimate {
+    /// The unknowns.
+    fn solved(&self) -> Vec<f64> {
+        let steps = self.step.iter().copied().chain(std::iter::repeat(0.0));
+        self.at.iter().zip(steps).map(|(at, step)| at + step).collect()
+    }
+}
 
 /// Normal equations of (1): the rows with readings, and the responses to a warmer start.
 #[derive(Clone, Debug)]
 pub struct Starts {
     warm: Vec<Warm>,
-    /// Response of these sensors at the rows of (1), by sensor that starts warmer, sensor and row.
+    /// Response of these sensors at the rows of (1), by unknown (the sensors, then the lags), sensor and row.
     responses: Vec<Vec<Vec<f64>>>,
     normal: Cholesky<f64, nalgebra::Dyn>,
 }
 
 impl Starts {
-    /// `None` if the readings do not determine the start.
-    pub fn new(warm: &[Warm], responses: Vec<Vec<Vec<f64>>>) -> Option<Starts> {
-        let k = warm.len();
-        let normal = DMatrix::from_fn(k, k, |a, b| product(warm, &responses[a], &responses[b]));
+    /// With e of (1) for the lags, if they are among the unknowns; `None` if the readings do not determine the start.
+    pub fn new(warm: &[Warm], responses: Vec<Vec<Vec<f64>>>, of_lags: &[f64]) -> Option<Starts> {
+        let (nodes, k) = (warm.len(), responses.len());
+        let mut normal = DMatrix::from_fn(k, k, |a, b| product(warm, &responses[a], &responses[b]));
         // A thermometer whose start shows nowhere is of a node that the model has in another mode: the first readings stand.
-        if (0..k).any(|node| warm[node].output.is_some() && normal[(node, node)] == 0.0) {
+        if (0..nodes).any(|node| warm[node].output.is_some() && normal[(node, node)] == 0.0) {
             return None;
         }
-        let normal = normal + DMatrix::identity(k, k) * (RIDGE * RIDGE);
+        for unknown in 0..k {
+            let ridge = unknown.checked_sub(nodes).map_or(RIDGE, |lag| of_lags[lag]);
+            normal[(unknown, unknown)] += ridge * ridge;
+        }
         Some(Starts { normal: normal.cholesky()?, warm: warm.to_vec(), responses })
     }
 
@@ -128,14 +158,21 @@ impl Starts {
     /// readings determine within the structure error, and of the model.
     fn deviation(&self, sensor: usize, row: usize) -> f64 {
         let response =
-            DVector::from_iterator(self.warm.len(), self.responses.iter().map(|of| of[sensor][row]));
+            DVector::from_iterator(self.responses.len(), self.responses.iter().map(|of| of[sensor][row]));
         STRUCTURE * (1.0 + response.dot(&self.normal.solve(&response))).sqrt()
     }
 
-    /// Change of the initial temperatures that explains a deviation of the sensors (by sensor and row) best.
+    /// What such a deviation leaves of (1).
+    fn left(&self, deviation: &[Vec<f64>]) -> f64 {
+        let right = self.responses.iter().map(|response| product(&self.warm, response, deviation));
+        let right = DVector::from_iterator(self.responses.len(), right);
+        product(&self.warm, deviation, deviation) - right.dot(&self.normal.solve(&right))
+    }
+
+    /// Change of the unknowns that explains a deviation of the sensors (by sensor and row) best.
     pub fn explaining(&self, deviation: &[Vec<f64>]) -> DVector<f64> {
         let right = self.responses.iter().map(|response| product(&self.warm, response, deviation));
-        self.normal.solve(&DVector::from_iterator(self.warm.len(), right))
+        self.normal.solve(&DVector::from_iterator(self.responses.len(), right))
     }
 }
 
@@ -159,13 +196,24 @@ impl Warm {
 pub struct Started {
     /// The model.
     pub model: Box<dyn Model>,
-    /// Temperatures that the sensors of [`Drive::warm`] indicate, K.
-    pub indicated: Vec<f64>,
-    /// Initial temperatures of its nodes, K.
+    /// The unknowns of its start: temperatures that the sensors of [`Drive::warm`] indicate, K, then the lags of the terms that have one.
+    pub unknowns: Vec<f64>,
+    /// Initial temperatures of its nodes, K, and of its lags.
     pub initial: Vec<(Slot, f64)>,
 }
 
 impl Drive {
+    /// y0 of (1); the lags start with their drivers in a run whose start is not estimated.
+    fn first_unknowns(&self, change: &Override) -> Vec<f64> {
+        let lags = change.lags().filter(|_| self.estimates_start());
+        self.warm.iter().map(|sensor| sensor.first).chain(lags.map(|_| 0.0)).collect()
+    }
+
+    /// Perturbations of the unknowns with a change.
+    pub fn ways(&self, change: &Override) -> Vec<f64> {
+        self.warm.iter().map(|_| WARMER).chain(lags::ways(change)).collect()
+    }
+
     /// Whether the run has enough rows for (1).
     pub fn estimates_start(&self) -> bool {
         self.warm.iter().any(|sensor| sensor.rows() > 1)
@@ -179,12 +227,9 @@ impl Bench {
     /// # Errors
     /// The message of the model if it cannot start.
     pub fn started(&self, drive: &Drive, change: &Override) -> Result<Started, CalibrateError> {
-        let first: Vec<f64> = drive.warm.iter().map(|sensor| sensor.first).collect();
-        let solved = self.estimated_start(drive, change, &first)?.and_then(|(step, ..)| {
-            let solved: Vec<f64> = first.iter().zip(step.iter()).map(|(first, step)| first + step).collect();
-            self.begin_at(drive, change, &solved).ok()
-        });
-        solved.map_or_else(|| self.begin_at(drive, change, &first), Ok)
+        let solved = self.estimated_start(drive, change)?;
+        let solved = solved.and_then(|estimate| self.begin_at(drive, change, &estimate.solved()).ok());
+        solved.map_or_else(|| self.begin_at(drive, change, &drive.first_unknowns(change)), Ok)
     }
 
     /// Readings of each sensor of [`Drive::warm`] over the rows of (1), K, with the standard deviation relative to the differences between the
@@ -193,38 +238,56 @@ impl Bench {
     /// # Errors
     /// The message of the model if it cannot start.
     pub fn foretold(&self, drive: &Drive, change: &Override) -> Result<Option<Foretold>, CalibrateError> {
-        let first: Vec<f64> = drive.warm.iter().map(|sensor| sensor.first).collect();
-        let Some((step, base, starts)) = self.estimated_start(drive, change, &first)? else {
+        let Some(Estimate { step, shown, starts, .. }) = self.estimated_start(drive, change)? else {
             return Ok(None);
         };
         let of_row = |sensor: usize, row: usize| {
             let change = starts.responses.iter().zip(step.iter()).map(|(of, size)| of[sensor][row] * size);
-            (base[sensor][row] + change.sum::<f64>(), starts.deviation(sensor, row))
+            (shown[sensor][row] + change.sum::<f64>(), starts.deviation(sensor, row))
         };
         let of = |(k, sensor): (usize, &Warm)| {
-            Some((sensor.output?, (0..base[k].len()).map(|row| of_row(k, row)).collect()))
+            Some((sensor.output?, (0..shown[k].len()).map(|row| of_row(k, row)).collect()))
         };
         Ok(Some(drive.warm.iter().enumerate().filter_map(of).collect()))
     }
 
-    /// Step of (1) from the first readings, what the sensors show there, and the equations; `None` if the start is not estimated.
-    fn estimated_start(&self, drive: &Drive, change: &Override, first: &[f64]) -> Estimated {
+    /// The solution of (1); `None` if the start is not estimated.
+    fn estimated_start(&self, drive: &Drive, change: &Override) -> Result<Option<Estimate>, CalibrateError> {
         if !drive.estimates_start() {
             return Ok(None);
         }
         let warm = &drive.warm;
-        let Some(base) = self.shown_at(drive, change, first)? else { return Ok(None) };
+        let at = drive.first_unknowns(change);
+        let Some(shown) = self.shown_at(drive, change, &at)? else { return Ok(None) };
         let mut responses = Vec::with_capacity(warm.len());
         for k in 0..warm.len() {
-            let mut warmer = first.to_vec();
-            warmer[k] += WARMER;
-            let Some(shown) = self.shown_at(drive, change, &warmer)? else { return Ok(None) };
-            responses.push(differences(&shown, &base, WARMER));
+            let Some(response) = self.start_response(drive, change, &at, &shown, k, WARMER)? else {
+                return Ok(None);
+            };
+            responses.push(response);
         }
-        let readings: Vec<Vec<f64>> = warm.iter().map(|sensor| sensor.readings.clone()).collect();
-        let Some(starts) = Starts::new(warm, responses) else { return Ok(None) };
-        let step = starts.explaining(&differences(&readings, &base, 1.0));
-        Ok(Some((step, base, starts)))
+        let readings: Shown = warm.iter().map(|sensor| sensor.readings.clone()).collect();
+        let Some(starts) = Starts::new(warm, responses, &[]) else { return Ok(None) };
+        let step = starts.explaining(&differences(&readings, &shown, 1.0));
+        let nodes = Estimate { at, step, shown, starts, readings };
+        let has_lags = change.lags().next().is_some();
+        Ok(Some(if has_lags { self.with_lags(drive, change, nodes)? } else { nodes }))
+    }
+
+    /// Response of the sensors to an unknown that is greater by `way` than `at`, where they show `shown`; `None` if the model ends within the
+    /// rows of (1).
+    fn start_response(
+        &self,
+        drive: &Drive,
+        change: &Override,
+        at: &[f64],
+        shown: &Shown,
+        unknown: usize,
+        way: f64,
+    ) -> Result<Option<Shown>, CalibrateError> {
+        let mut moved = at.to_vec();
+        moved[unknown] += way;
+        Ok(self.shown_at(drive, change, &moved)?.map(|there| differences(&there, shown, way)))
     }
 
     /// Outputs of the sensors of [`Drive::warm`] at the rows of (1), by sensor and row; `None` if the model ends within them.
@@ -232,9 +295,9 @@ impl Bench {
         &self,
         drive: &Drive,
         change: &Override,
-        indicated: &[f64],
+        unknowns: &[f64],
     ) -> Result<Option<Vec<Vec<f64>>>, CalibrateError> {
-        let mut model = self.begin_at(drive, change, indicated)?.model;
+        let mut model = self.begin_at(drive, change, unknowns)?.model;
         // The start of a run is the same for every accuracy of its simulation.
         model.ease(1.0);
         let rows = drive.warm.iter().map(Warm::rows).max().unwrap_or(0);
@@ -309,130 +372,4 @@ pub fn temperatures(nodes: &[&Entry], known: &[(&str, f64)]) -> Vec<(Slot, f64)>
         Some((entry.slot, inside(value, entry)))
     };
     nodes.iter().filter_map(start).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn named(model: &str, known: &[(&str, f64)]) -> Vec<(String, f64)> {
-        let declaration = (physics::models::by_name(model).unwrap().declaration)();
-        let name = |slot: Slot| declaration.entries.iter().find(|e| e.slot == slot).unwrap().name.clone();
-        temperatures(&nodes(declaration), known)
-            .into_iter()
-            .map(|(slot, value)| (name(slot), value))
-            .collect()
-    }
-
-    /// A motor that is running in the first row starts with the current of that row, unless `[set]` states another one.
-    #[test]
-    fn a_running_motor_does_not_start_at_rest() {
-        let mut running = crate::testing::driven_by(("voltage_V", 1.0, 90.0), &["current_A"], "", true);
-        let column = running.inputs.len();
-        let start = |experiment: &Experiment| {
-            let bench = Bench::new(experiment, &[]).unwrap();
-            let drive = Drive::new(experiment, &experiment.runs[0]).unwrap();
-            bench.run(&drive, &Override::default()).unwrap()[0][0]
-        };
-        assert_eq!(start(&running), 0.0, "no reading");
-        running.runs[0].table.columns[column][0] = 3.0;
-        assert_eq!(start(&running), 3.0);
-        running.set.push(("initial.current".to_string(), 1.0));
-        assert_eq!(start(&running), 1.0);
-    }
-
-    /// A motor that starts at 60 and 50 degC, with noise, and with a first reading that is wrong by 2 K.
-    #[test]
-    fn a_wrong_first_reading_does_not_shift_the_run() {
-        let truth = [333.15, 323.15];
-        let mut experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
-        experiment.runs[0].start = crate::experiment::Start::Measured;
-        let [winding, housing] = [2, 3].map(|output| experiment.place_of(output));
-        for (column, value) in [winding, housing].into_iter().zip(truth) {
-            experiment.runs[0].table.columns[column].fill(value);
-        }
-        let bench = Bench::new(&experiment, &[]).unwrap();
-        let lag = bench.declaration().by_name("effect.housing_sensor_lag.tau").unwrap().slot;
-        let mut rng = crate::testing::rng(1);
-        for late in [0.0, 30.0] {
-            let change = Override { values: vec![(lag, late)], ..Override::default() };
-            let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-            let mut model = bench.begin_at(&drive, &change, &truth).unwrap().model;
-            let mut shown = vec![Vec::new(); 4];
-            bench
-                .along(&drive, model.as_mut(), |model, _| {
-                    for (column, slot) in shown.iter_mut().zip(bench.outputs()) {
-                        column.push(model.get(*slot) + 0.2 * crate::testing::normal(&mut rng));
-                    }
-                })
-                .unwrap();
-            shown[3][0] += 2.0;
-            experiment.runs[0].table.columns.splice(experiment.inputs.len().., shown);
-            let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-            let found = bench.started(&drive, &change).unwrap().indicated;
-            // 15 rows: 0.2 / sqrt(15) = 0.05 K, and a fifteenth of 2 K; a winding that cools down faster has fewer.
-            assert!(
-                (found[1] - truth[1]).abs() < 0.25 && (found[0] - truth[0]).abs() < 0.5,
-                "{late} {found:?}"
-            );
-        }
-    }
-
-    /// A housing without readings that starts 20 K below the winding, which soon follows it: also if the first rows have none of either.
-    #[test]
-    fn a_node_without_readings_shows_in_the_other() {
-        let truth = [353.15, 333.15];
-        let mut experiment = crate::testing::experiment("\"thermal.C_h\" = 0.1", true);
-        experiment.runs[0].start = crate::experiment::Start::Measured;
-        let [winding, housing] = [2, 3].map(|output| experiment.place_of(output));
-        experiment.runs[0].table.columns[winding].fill(truth[0]);
-        experiment.runs[0].table.columns[housing].fill(truth[1]);
-        let bench = Bench::new(&experiment, &[]).unwrap();
-        let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-        let mut model = bench.begin_at(&drive, &Override::default(), &truth).unwrap().model;
-        let mut shown = vec![Vec::new(); 4];
-        bench
-            .along(&drive, model.as_mut(), |model, _| {
-                shown
-                    .iter_mut()
-                    .zip(bench.outputs())
-                    .for_each(|(column, slot)| column.push(model.get(*slot)));
-            })
-            .unwrap();
-        for blank in [0, 8] {
-            let mut own = shown.clone();
-            own[2][..blank].fill(f64::NAN);
-            own[3].fill(f64::NAN);
-            experiment.runs[0].table.columns.splice(experiment.inputs.len().., own);
-            let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-            assert_eq!(drive.warm.iter().map(|own| own.output).collect::<Vec<_>>(), [Some(2), None]);
-            let found = bench.started(&drive, &Override::default()).unwrap().indicated;
-            let again = bench.run(&drive, &Override::default()).unwrap();
-            let worst = |from: usize, output: usize| {
-                let pairs = again[output].iter().zip(&shown[output]).skip(from);
-                pairs.map(|(own, shown)| (own - shown).abs()).fold(0.0, f64::max)
-            };
-            assert!(worst(blank, 2) < 0.1, "{blank} {found:?}: {}", worst(blank, 2));
-            // What a winding had that has cooled down since, 20 K of a tenth of the heat capacity, nobody knows.
-            assert!(
-                worst(blank, 3) < if blank > 0 { 2.0 } else { 0.1 },
-                "{blank} {found:?}: {}",
-                worst(blank, 3)
-            );
-        }
-    }
-
-    #[test]
-    fn a_node_that_is_not_known_takes_the_nearest() {
-        let motor =
-            named("AnnulusCooledMotor", &[("winding_temperature", 360.0), ("housing_temperature", 330.0)]);
-        let values: Vec<f64> = motor.iter().map(|(_, value)| *value).collect();
-        assert_eq!(values, [360.0, 330.0, 330.0, 330.0], "{motor:?}");
-        let gearmotor =
-            named("BrushedGearmotor", &[("housing_temperature", 320.0), ("box_temperature", 305.0)]);
-        let (names, values): (Vec<_>, Vec<_>) = gearmotor.into_iter().unzip();
-        assert_eq!(names, ["winding", "housing", "box", "gear"].map(|n| format!("initial.{n}_temperature")));
-        assert_eq!(values, [320.0, 320.0, 305.0, 320.0]);
-        assert!(named("BrushedGearmotor", &[]).is_empty());
-    }
 }

@@ -312,6 +312,12 @@ impl<'a> Linearization<'a> {
         })
     }
 
+    /// The runs whose start is estimated, by index among the runs evaluated.
+    pub fn warm_runs(&self) -> impl Iterator<Item = usize> {
+        let is_warm = |(_, run): &(usize, &usize)| self.setup.drives[**run].estimates_start();
+        self.runs.iter().enumerate().filter(is_warm).map(|(r, _)| r)
+    }
+
     /// Whether a channel has a reading in a run that is evaluated.
     pub fn is_read(&self, channel: &Channel) -> bool {
         let experiment = self.setup.experiment;

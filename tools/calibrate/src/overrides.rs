@@ -1,7 +1,7 @@
 //! Overrides of a model's parameters and terms for one simulation.
 
 use physics::model::Slot;
-use physics::terms::GenericTerm;
+use physics::terms::{GenericTerm, Lag};
 
 /// Overrides of a model.
 #[derive(Clone, Debug, Default)]
@@ -10,4 +10,11 @@ pub struct Override {
     pub values: Vec<(Slot, f64)>,
     /// Terms.
     pub terms: Vec<GenericTerm>,
+}
+
+impl Override {
+    /// The terms with a lag, by their place.
+    pub fn lags(&self) -> impl Iterator<Item = (usize, Lag)> + '_ {
+        self.terms.iter().enumerate().filter_map(|(k, term)| Some((k, term.lag?)))
+    }
 }

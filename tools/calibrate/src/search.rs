@@ -15,6 +15,7 @@
 //! Candidates are compared by the reduction of the evidence's cost minus ln n for each parameter (BIC, Schwarz), n the number of blocks.
 
 mod hidden;
+mod lag_starts;
 mod laws;
 mod memory_terms;
 mod structure;

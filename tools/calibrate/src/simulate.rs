@@ -150,7 +150,7 @@ impl Bench {
         Ok(self.started(drive, change)?.model)
     }
 
-    /// The same, with what it started at: temperatures that the sensors of [`Drive::warm`] indicate at these, K.
+    /// The same at these [unknowns](Started::unknowns).
     ///
     /// # Errors
     /// The message of the model if it cannot start.
@@ -158,12 +158,16 @@ impl Bench {
         &self,
         drive: &Drive,
         change: &Override,
-        indicated: &[f64],
+        unknowns: &[f64],
     ) -> Result<Started, CalibrateError> {
         let mut model = self.set_up(drive, change)?;
-        let initial = self.start(model.as_mut(), drive, indicated)?;
+        let (indicated, lags) = unknowns.split_at(drive.warm.len());
+        let lags = initial::lags::values(model.declaration(), change, lags);
+        model.set_all(&lags);
+        let mut initial = self.start(model.as_mut(), drive, indicated)?;
+        initial.extend(lags);
         model.ease(self.ease);
-        Ok(Started { model, indicated: indicated.to_vec(), initial })
+        Ok(Started { model, unknowns: unknowns.to_vec(), initial })
     }
 
     /// Model with the change applied and the inputs of the first row.

@@ -85,8 +85,10 @@ pub struct Tangent {
     seen: Vec<f64>,
     /// The three matrices of (2) by rows, for each interval between rows.
     passes: Vec<f64>,
-    /// Temperatures that the sensors of the run indicate at the start, K.
-    indicated: Vec<f64>,
+    /// [Unknowns](Started::unknowns) of the run's start.
+    unknowns: Vec<f64>,
+    /// What the lag of a term, by its place, exceeds its driver by at the start, in the unit of the driver.
+    lags: Vec<(usize, f64)>,
     /// Adaptation of the initial temperatures; `None` if the run starts at the ambient temperature.
     starts: Option<Adapted>,
 }
@@ -119,9 +121,9 @@ impl Tangent {
         change: &Override,
         probes: &[Probe],
     ) -> Result<Tangent, CalibrateError> {
-        let Started { mut model, indicated, .. } = bench.started(drive, change)?;
-        let mut base = bench.begin_at(drive, change, &indicated)?.model;
-        let beside = |probe| Moved::new(bench, drive, change, probe, &indicated, model.as_ref());
+        let Started { mut model, unknowns, .. } = bench.started(drive, change)?;
+        let mut base = bench.begin_at(drive, change, &unknowns)?.model;
+        let beside = |probe| Moved::new(bench, drive, change, probe, &unknowns, model.as_ref());
         let mut moved: Vec<Option<Moved>> = probes.iter().map(beside).collect();
         let rows = drive.time.len();
         let outputs = bench.outputs();
@@ -169,6 +171,8 @@ impl Tangent {
             n => passes(&drive.time, &slopes, Dyn(n)),
         };
         let directions = moved.into_iter().map(|m| m.map(|m| m.direction)).collect();
+        let lags = change.lags().zip(&unknowns[drive.warm.len()..]);
+        let lags = lags.map(|((place, lag), above)| (place, above * lag.driver.nominal())).collect();
         let mut tangent = Tangent {
             shown,
             time: drive.time.clone(),
@@ -180,7 +184,8 @@ impl Tangent {
             rates,
             seen,
             passes,
-            indicated,
+            unknowns,
+            lags,
             starts: None,
         };
         tangent.starts = Adapted::new(bench, drive, change, &tangent);
@@ -242,6 +247,11 @@ impl Tangent {
             }
         }
         direct
+    }
+
+    /// What the lag of a term, by its place, exceeds its driver by at the start; 0 without a lag.
+    pub fn lag_starts_above(&self, place: usize) -> f64 {
+        self.lags.iter().find(|(own, _)| *own == place).map_or(0.0, |(_, above)| *above)
     }
 
     /// How the `j`-th output follows the states at a row.
@@ -400,7 +410,7 @@ impl Moved {
         drive: &Drive,
         change: &Override,
         probe: &Probe,
-        indicated: &[f64],
+        unknowns: &[f64],
         beside: &dyn Model,
     ) -> Option<Moved> {
         let mut aside = change.clone();
@@ -422,9 +432,9 @@ impl Moved {
         }
         let model = match probe {
             Probe::Input(k) => {
-                bench.begin_at(&drive.with_input(*k, |_, x| x + way), &aside, indicated).ok()?.model
+                bench.begin_at(&drive.with_input(*k, |_, x| x + way), &aside, unknowns).ok()?.model
             }
-            _ => bench.begin_at(drive, &aside, indicated).ok()?.model,
+            _ => bench.begin_at(drive, &aside, unknowns).ok()?.model,
         };
         let (mut from, mut to) = (Vec::new(), Vec::new());
         beside.states(&mut from);

@@ -1,6 +1,6 @@
 //! Experiments with readings simulated by the model itself, for tests.
 
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, Start};
 use crate::hypothesis::{Addition, Hypothesis, Shape};
 use crate::linearization::Linearization;
 use crate::outcome::Follows;
@@ -63,6 +63,27 @@ pub fn with_term(term: GenericTerm) -> Experiment {
     let mut experiment = driven_by(("current_A", 1.0, 190.0), &OUTPUTS, PRIORS, true);
     let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
     read(&mut experiment, &preset, Some(term));
+    experiment
+}
+
+/// The same with these priors, a lag that starts `above` its driver, and noise of the temperatures, K: a run that starts warm.
+pub fn with_warm_term(priors: &str, term: GenericTerm, above: f64, noise: f64) -> Experiment {
+    let mut experiment = driven_by(("current_A", 1.0, 190.0), &OUTPUTS, priors, true);
+    read_of(&mut experiment, |setup| {
+        let slot = setup.bench.declaration().by_name("initial.term_lag_1").unwrap().slot;
+        let mut change = setup.change(&setup.preset(), 0);
+        change.values.push((slot, above));
+        change.terms.push(term);
+        change
+    });
+    let mut rng = rng(5);
+    for output in [2, 3] {
+        let column = experiment.place_of(output);
+        for value in &mut experiment.runs[0].table.columns[column] {
+            *value += noise * normal(&mut rng);
+        }
+    }
+    experiment.runs[0].start = Start::Measured;
     experiment
 }
 

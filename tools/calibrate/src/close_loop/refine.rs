@@ -21,6 +21,7 @@ use crate::hypothesis::{Addition, Axis, Shape, weight};
 use crate::linearization::Linearization;
 use crate::search::{kernel, spread, table, table_values};
 use crate::selection::NEAR;
+use crate::tangent::Tangent;
 use nalgebra::DMatrix;
 use physics::terms::Port;
 
@@ -78,9 +79,13 @@ impl<'a> Search<'a> {
         };
         let base = Linearization::beside(setup, setup.judged(without, &point.runs)?, &point.runs, port)?;
         let Some(term) = own.term() else { return Ok(None) };
-        let tangents = point.slopes.tangents.iter();
-        let reached: Vec<Vec<f64>> =
-            tangents.map(|t| beyond::values(&term, axis.driver, &t.time, &t.drivers)).collect();
+        let of_run = |(run, tangent): (&usize, &Tangent)| {
+            let place = point.fitted.hypothesis.place(k, *run)?;
+            Some(beyond::values(&term, place, axis.driver, &tangent.drivers))
+        };
+        let tangents = point.runs.iter().zip(&point.slopes.tangents);
+        // None where the law does not act.
+        let reached: Vec<Vec<f64>> = tangents.map(|own| of_run(own).unwrap_or_default()).collect();
         let values = reached.iter().flatten().copied().collect();
         let Some(knots) = spread(values, POINTS, None) else { return Ok(None) };
         let finer = Axis { knots, ..axis.clone() };

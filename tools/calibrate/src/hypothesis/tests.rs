@@ -48,14 +48,14 @@ fn slopes_are_differences(
     let values = |numbers: &[f64]| -> Vec<f64> {
         let own = with(numbers);
         let term = own.term().unwrap();
-        let reached = followed(time, drivers, own.lag().unwrap());
+        let reached = followed(time, drivers, own.lag().unwrap(), 0.0);
         reached.iter().map(|z| term.value(&at(*z))).collect()
     };
     for k in 0..numbers.len() {
         let (mut more, mut less) = (numbers.to_vec(), numbers.to_vec());
         more[k] *= 1.0 + 1e-5;
         less[k] *= 1.0 - 1e-5;
-        let slopes = with(numbers).slopes(k, time, drivers);
+        let slopes = with(numbers).slopes(k, time, drivers, 0.0);
         let pairs = values(&more).into_iter().zip(values(&less));
         let truth: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2e-5 * numbers[k])).collect();
         let most = truth.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
@@ -63,7 +63,7 @@ fn slopes_are_differences(
             assert!((slope - own).abs() <= 2e-3 * most, "{k} {row}");
         }
     }
-    let start = with(numbers).slopes(numbers.len() - 1, time, drivers)[0];
+    let start = with(numbers).slopes(numbers.len() - 1, time, drivers, 0.0)[0];
     assert_eq!(start, 0.0);
 }
 

@@ -11,6 +11,7 @@
 //! one by a conductance between T and ambient.
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
+use super::lag_starts::Decays;
 use super::laws::{
     LEAST_REFERENCE, alike, coefficient, exponent, is_known, kernel, knots, number, scale, table_values,
     term, varies,
@@ -20,8 +21,10 @@ use crate::evidence::Gain;
 use crate::hypothesis::{Axis, Number, Shape, followed, hat, power};
 use crate::levels::NEARLY;
 use crate::linearization::Linearization;
+use crate::numbers::{ends, range};
 use crate::outcome::Follows;
 use crate::parallel;
+use nalgebra::DMatrix;
 use physics::terms::{Driver, Factor, Lag, Port};
 
 /// Shortest time constant that is tried, in rows. Numerical: a shorter lag cannot be distinguished from the driver itself.
@@ -38,8 +41,8 @@ const SCALE: f64 = 0.2;
 const POINTS: usize = 5;
 
 /// Lagged driver, run by run.
-struct Late {
-    lag: Lag,
+pub(super) struct Late {
+    pub(super) lag: Lag,
     reached: Vec<Vec<f64>>,
     factor: Factor,
 }
@@ -47,7 +50,7 @@ struct Late {
 impl Late {
     fn new(point: &Linearization, lag: Lag) -> Late {
         let tangents = point.slopes.tangents.iter();
-        let reached: Vec<Vec<f64>> = tangents.map(|t| followed(&t.time, &t.drivers, lag)).collect();
+        let reached: Vec<Vec<f64>> = tangents.map(|t| followed(&t.time, &t.drivers, lag, 0.0)).collect();
         let factor = scale(lag.driver, reached.iter().flatten().copied());
         Late { lag, reached, factor }
     }
@@ -62,8 +65,7 @@ impl Late {
 
     /// Points of a table over it, at equal distances; `None` if it is constant.
     fn knots(&self) -> Option<Vec<f64>> {
-        let ends = |(a, b): (f64, f64), z: &f64| (a.min(*z), b.max(*z));
-        let (least, most) = self.reached.iter().flatten().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        let (least, most) = ends(self.reached.iter().flatten().copied());
         let at = |k: usize| least + (most - least) * k as f64 / (POINTS - 1) as f64;
         let knots: Vec<f64> = (0..POINTS).map(at).collect();
         knots.windows(2).all(|pair| pair[0] < pair[1]).then_some(knots)
@@ -71,6 +73,12 @@ impl Late {
 
     fn value(&self, r: usize, row: usize, exponent: f64) -> f64 {
         power(&self.factor, self.reached[r][row], exponent)
+    }
+
+    /// Greatest less least value of a power of the driver, in which the state of the lag has been.
+    fn span(&self, point: &Linearization, exponent: f64) -> f64 {
+        let values = point.drivers().map(|d| d.of(self.lag.driver));
+        range(values.map(|x| power(&self.factor, x, exponent)))
     }
 }
 
@@ -107,16 +115,22 @@ pub(super) fn lagging(
     let late = parallel::map(&tried, |(driver, tau)| {
         Late::new(point, Lag { driver: *driver, tau: *tau, difference: false })
     });
-    let places: Vec<(Port, Driver)> =
-        ports.iter().flat_map(|p| drivers.iter().map(move |d| (*p, *d))).collect();
-    let find = |(port, driver): &(Port, Driver)| {
+    let decays = parallel::map(ports, |port| Decays::new(point, *port, &taus));
+    let places: Vec<(Port, &Decays, Driver)> = ports
+        .iter()
+        .zip(&decays)
+        .filter_map(|(port, decays)| Some((*port, decays.as_ref()?)))
+        .flat_map(|(port, decays)| drivers.iter().map(move |d| (port, decays, *d)))
+        .collect();
+    let find = |(port, decays, driver): &(Port, &Decays, Driver)| {
         let own: Vec<&Late> = late.iter().filter(|l| l.lag.driver == *driver).collect();
         let columns = point.port_columns(*port, own.len(), |k, r, row, _| own[k].value(r, row, 1.0))?;
-        let line = best(own.iter().copied().zip(point.evidence.gains(&columns, 1)));
+        let line = best(own.iter().copied().zip(lines(point, decays, &columns, &linear(&own))));
         // A function that rises and falls is no line at any time constant.
         let laws = [
-            line.and_then(|(late, _)| powers(point, *port, late, &taus, per_number)),
-            Table::best(point, *port, &own).map(|table| table.scored(point, *port, &taus, per_number)),
+            line.and_then(|(late, _)| powers(point, *port, decays, late, &taus, per_number)),
+            Table::best(point, *port, decays, &own)
+                .map(|table| table.scored(point, *port, &taus, per_number)),
         ];
         Some(laws.into_iter().flatten())
     };
@@ -144,7 +158,9 @@ pub(super) fn masses(point: &Linearization, per_number: f64) -> Vec<Scored> {
         }
         let late: Vec<Late> = taus.iter().map(|tau| Late::unlimited(point, *driver, *tau)).collect();
         let columns = point.port_columns(*port, late.len(), |k, r, row, _| late[k].value(r, row, 1.0))?;
-        let gains = late.iter().zip(point.evidence.gains(&columns, 1));
+        let decays = Decays::new(point, *port, &taus)?;
+        let gains = lines(point, &decays, &columns, &linear(&late.iter().collect::<Vec<_>>()));
+        let gains = late.iter().zip(gains);
         let (best, gain) = best(gains.map(|(late, gain)| (late, gain.filter(|gain| gain.size[0] > 0.0))))?;
         let follows = Follows::Mass(*driver);
         let name = format!("{} of a mass", port.name());
@@ -176,10 +192,36 @@ fn time_constant(late: &Late, taus: &[f64]) -> Number {
     number("tau".to_string(), late.lag.tau, limits, "s", SCALE * late.lag.tau)
 }
 
-fn powers(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
+/// The lags themselves.
+fn linear<'l>(late: &[&'l Late]) -> Vec<(&'l Late, f64)> {
+    late.iter().map(|late| (*late, 1.0)).collect()
+}
+
+/// Gains of powers of the lags: one column each, with its exponent.
+fn lines(
+    point: &Linearization,
+    decays: &Decays,
+    columns: &DMatrix<f64>,
+    powers: &[(&Late, f64)],
+) -> Vec<Option<Gain>> {
+    let late: Vec<&Late> = powers.iter().map(|(late, _)| *late).collect();
+    let explain = |s: &DMatrix<f64>, starts: usize| point.evidence.gains(s, 1 + starts);
+    let span = |gain: &Gain, k: usize| gain.size[0].abs() * powers[k].0.span(point, powers[k].1);
+    decays.gains(columns, &late, explain, span)
+}
+
+fn powers(
+    point: &Linearization,
+    port: Port,
+    decays: &Decays,
+    late: &Late,
+    taus: &[f64],
+    per_number: f64,
+) -> Option<Scored> {
     let columns =
         point.port_columns(port, EXPONENTS.len(), |k, r, row, _| late.value(r, row, EXPONENTS[k]))?;
-    let (exponent, gain) = best(EXPONENTS.into_iter().zip(point.evidence.gains(&columns, 1)))?;
+    let gains = lines(point, decays, &columns, &EXPONENTS.map(|exponent| (late, exponent)));
+    let (exponent, gain) = best(EXPONENTS.into_iter().zip(gains))?;
     let name = format!("{} ~ lag of {}^{exponent}", port.name(), late.lag.driver.name());
     let follows = Follows::Late(late.lag.driver);
     let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &[0.0]);
@@ -198,15 +240,23 @@ struct Table<'l> {
 
 impl<'l> Table<'l> {
     /// The best one; `None` if the lagged driver is constant, or its functions have no effect.
-    fn best(point: &Linearization, port: Port, late: &[&'l Late]) -> Option<Table<'l>> {
+    fn best(point: &Linearization, port: Port, decays: &Decays, late: &[&'l Late]) -> Option<Table<'l>> {
         let own: Vec<(&Late, Vec<f64>)> =
             late.iter().filter_map(|late| Some((*late, late.knots()?))).collect();
         let columns = point.port_columns(port, POINTS * own.len(), |k, r, row, _| {
             let (late, knots) = &own[k / POINTS];
             hat(knots, k % POINTS, late.reached[r][row])
         })?;
-        // Knots at equal distances have the same covariance at every time constant.
-        let gains = point.evidence.shapes(&columns, &alike(&own.first()?.1));
+        // Knots at equal distances have the same covariance at every time constant. A start is as large as the law.
+        let kernel = alike(&own.first()?.1);
+        let explain = |s: &DMatrix<f64>, starts: usize| {
+            let mut with = DMatrix::identity(POINTS + starts, POINTS + starts);
+            with.view_mut((0, 0), (POINTS, POINTS)).copy_from(&kernel);
+            point.evidence.shapes(s, &with)
+        };
+        let span = |gain: &Gain, _: usize| range(gain.size.iter().take(POINTS).copied());
+        let late: Vec<&Late> = own.iter().map(|(late, _)| *late).collect();
+        let gains = decays.gains(&columns, &late, explain, span);
         let ((late, knots), gain) = best(own.into_iter().zip(gains))?;
         Some(Table { late, knots, gain })
     }

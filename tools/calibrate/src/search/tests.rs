@@ -1,7 +1,7 @@
 use super::*;
 use crate::hypothesis::{Axis, Hypothesis, Number};
 use crate::setup::Setup;
-use crate::testing::{self, PRIORS};
+use crate::testing::{self, NOISE, PRIORS};
 use nalgebra::DMatrix;
 use physics::terms::{Factor, GenericTerm, Lag, Law, Product, Table};
 
@@ -181,6 +181,33 @@ fn a_mass_at_a_node_is_found() {
         assert!(product.factors[0].unwrap().range == Factor::UNLIMITED);
         assert!(fitted.chi_square < 2.0 * fitted.readings as f64, "{}", fitted.chi_square);
     });
+}
+
+/// A mass that was heated before the run: its start is an unknown beside its conductance and its time constant.
+#[test]
+fn a_mass_that_starts_warm_is_found() {
+    let driver = Driver::HousingTemperature;
+    let factor = Factor { driver, offset: 0.0, reference: 10.0, exponent: 1.0, range: Factor::UNLIMITED };
+    let law = Law::Product(Product { coefficient: 1.5, factors: [Some(factor), None, None] });
+    let lag = Some(Lag { driver, tau: 300.0, difference: true });
+    let term = GenericTerm { port: Port::HousingHeat, law, lag };
+    for above in [0.15, -0.1] {
+        let experiment = testing::with_warm_term(PRIORS, term, above, NOISE);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let point = Linearization::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+        let scored = search(&point);
+        let is_mass = |s: &&Scored| matches!(s.follows, Follows::Mass(_));
+        let best = scored.iter().find(is_mass).unwrap();
+        assert_eq!((best.port, best.follows), (Port::HousingHeat, Follows::Mass(driver)));
+        let tau = best.addition.as_ref().unwrap().lag().unwrap().tau;
+        assert!((tau / 300.0).ln().abs() < 0.7, "{tau}");
+        let mut hypothesis = setup.preset();
+        hypothesis.additions.extend(best.addition.clone());
+        let fitted = setup.fit(hypothesis, &[0]).unwrap();
+        let own = &fitted.hypothesis.additions[0];
+        assert!((own.lag().unwrap().tau / 300.0 - 1.0).abs() < 0.05, "{own:?}");
+        assert!(fitted.chi_square < 2.0 * fitted.readings as f64, "{}", fitted.chi_square);
+    }
 }
 
 /// A product of two drivers, which a grid describes exactly: no function of one driver explains as much, and its fit leaves no residual.

@@ -1,7 +1,7 @@
-//! Initial temperatures that are estimated from the first rows adapt to a perturbation.
+//! Initial temperatures and lags that are estimated from the first rows adapt to a perturbation.
 
 use super::{Direction, Tangent};
-use crate::initial::{Starts, WARMER, Warm};
+use crate::initial::{Starts, Warm, lags};
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
 
@@ -9,7 +9,7 @@ use crate::simulate::{Bench, Drive};
 #[derive(Clone, Debug)]
 pub struct Adapted {
     outputs: usize,
-    /// Response of all outputs at all rows, by sensor whose node starts 1 K warmer.
+    /// Response of all outputs at all rows, by [unknown](crate::initial::Started::unknowns) that is 1 greater.
     responses: Vec<Vec<f64>>,
     starts: Starts,
 }
@@ -21,19 +21,21 @@ impl Adapted {
             return None;
         }
         let (n, rows) = (tangent.states, tangent.time.len());
-        let responses = (0..drive.warm.len()).map(|k| {
-            let mut warmer = tangent.indicated.clone();
-            warmer[k] += WARMER;
+        let ways = drive.ways(change);
+        let responses = ways.iter().enumerate().map(|(k, way)| {
+            let mut warmer = tangent.unknowns.clone();
+            warmer[k] += way;
             let mut states = Vec::with_capacity(n);
             bench.begin_at(drive, change, &warmer).ok()?.model.states(&mut states);
-            let start = states.iter().zip(&tangent.at).map(|(to, from)| (to - from) / WARMER).collect();
+            let start = states.iter().zip(&tangent.at).map(|(to, from)| (to - from) / way).collect();
             let direction =
                 Direction { start, rates: vec![0.0; rows * n], outputs: vec![0.0; rows * tangent.outputs] };
             Some(tangent.response(&direction, |_| 1.0))
         });
         let responses: Vec<Vec<f64>> = responses.collect::<Option<_>>()?;
         let (warm, outputs) = (&drive.warm, tangent.outputs);
-        let starts = Starts::new(warm, responses.iter().map(|r| indicated_by(warm, outputs, r)).collect())?;
+        let indicated = responses.iter().map(|r| indicated_by(warm, outputs, r)).collect();
+        let starts = Starts::new(warm, indicated, &lags::ridges(change))?;
         Some(Adapted { outputs, responses, starts })
     }
 

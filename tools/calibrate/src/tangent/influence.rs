@@ -10,7 +10,7 @@ impl Tangent {
     /// does, a simulation has the same outputs; this is known in a third of its time.
     pub fn is_moved_by(&self, bench: &Bench, drive: &Drive, change: &Override) -> bool {
         // A model that cannot start is judged by its simulation.
-        let Ok(Started { mut model, .. }) = bench.begin_at(drive, change, &self.indicated) else {
+        let Ok(Started { mut model, .. }) = bench.begin_at(drive, change, &self.unknowns) else {
             return true;
         };
         let (n, m) = (self.states, self.outputs);

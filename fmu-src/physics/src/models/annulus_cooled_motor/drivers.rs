@@ -192,7 +192,7 @@ impl AnnulusCooledMotor {
         self.lags_of_terms().map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
     }
 
-    /// Initialises each lag at the value of its driver.
+    /// Initialises each lag at the value of its driver and what `initial.term_lag_*` add to it.
     pub(super) fn start_lags(&mut self) {
         if !self.parameters.effects.has_lags() {
             return;
@@ -200,8 +200,10 @@ impl AnnulusCooledMotor {
         self.own.term_lags = [0.0; MOST_TERMS];
         self.set_drivers(self.time);
         // Two passes: heat flows may depend on the drivers.
+        let above = self.parameters.initial.term_lags();
         for _ in 0..2 {
-            self.own.term_lags = self.lag_sources();
+            let sources = self.lag_sources();
+            self.own.term_lags = std::array::from_fn(|k| sources[k] + above[k] * self.lag_size(k));
             self.set_drivers(self.time);
         }
     }

@@ -14,7 +14,7 @@ use crate::effects::PerNode;
 
 impl AnnulusCooledMotor {
     /// Scale of a lag state.
-    fn lag_size(&self, k: usize) -> f64 {
+    pub(super) fn lag_size(&self, k: usize) -> f64 {
         self.parameters.effects.lag(k).map_or(1.0, |lag| lag.driver.nominal())
     }
 
