@@ -209,3 +209,15 @@ fn a_power_of_a_lag_that_has_decayed_has_a_derivative() {
         }
     }
 }
+
+/// The starts of lags are divided by typical values, which users find in the document that describes them.
+#[test]
+fn the_document_has_the_typical_values() {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/close-the-loop.md"));
+    let text = text.unwrap().replace('\n', " ");
+    for driver in Driver::ALL.iter().filter(|d| **d != Driver::Time) {
+        let unit = driver.unit().name();
+        let value = format!("{} {}", driver.nominal(), if unit == "1" { "for" } else { unit });
+        assert!(text.contains(&value), "{}: {value}", driver.name());
+    }
+}
