@@ -14,10 +14,12 @@
 //! where the readings do not determine it: a node that has forgotten its start before the first reading.
 //!
 //! The lag of a term, such as the temperature of a mass that the model lacked, does not start at its driver's value either: a motor that
-//! ran before has warm magnets. It is one more unknown of such a run, in units of a typical change of its driver, and y0 = 0.
+//! ran before has warm magnets. It is one more unknown of such a run, in units of a typical change of its driver, and y0 = 0. A law may
+//! act on a voltage or a torque alone, so with a lag y are all outputs, each in units of its noise.
 //! *Sources*: Ljung, System Identification, 2nd ed. (1999), section 10.1 (initial conditions as unknowns of a record); Hoerl, Kennard,
 //! Technometrics 12 (1970) 55-67 (e: ridge regression).
 
+pub mod columns;
 pub mod lags;
 #[cfg(test)]
 mod tests;
@@ -27,6 +29,7 @@ use crate::experiment::{Channel, Experiment, Run};
 use crate::levels::STRUCTURE;
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive, refused};
+use columns::{Column, product, rows};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use physics::model::{Declaration, Entry, Model, Slot};
 use physics::terms::Driver;
@@ -78,9 +81,7 @@ pub fn sensors(experiment: &Experiment, run: &Run) -> Vec<Warm> {
         let column = &run.table.columns[experiment.place_of(output)];
         let first = column.iter().copied().find(|v| v.is_finite());
         let node = channel.node().filter(|node| all.iter().all(|known| known.node != *node));
-        let read: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
-        let rows = (read.len() / PART).checked_sub(1).map_or(0, |last| read[last] + 1);
-        let readings = column[..rows].to_vec();
+        let readings = column[..rows(column)].to_vec();
         let output = Some(output);
         all.extend(node.zip(first).map(|(node, first)| Warm { node, output, first, readings }));
     }
@@ -101,7 +102,7 @@ pub fn sensors(experiment: &Experiment, run: &Run) -> Vec<Warm> {
 /// Readings by output and row, with their standard deviations.
 pub type Foretold = Vec<(usize, Vec<(f64, f64)>)>;
 
-/// Values of the sensors at the rows of (1), by sensor and row, K.
+/// Values at the rows of (1), by column and row.
 type Shown = Vec<Vec<f64>>;
 
 /// A solution of (1).
@@ -127,31 +128,31 @@ impl Estimate {
 /// Normal equations of (1): the rows with readings, and the responses to a warmer start.
 #[derive(Clone, Debug)]
 pub struct Starts {
-    warm: Vec<Warm>,
-    /// Response of these sensors at the rows of (1), by unknown (the sensors, then the lags), sensor and row.
+    columns: Vec<Column>,
+    /// Response of these columns at the rows of (1), by unknown (the nodes, then the lags), column and row.
     responses: Vec<Vec<Vec<f64>>>,
     normal: Cholesky<f64, nalgebra::Dyn>,
 }
 
 impl Starts {
     /// With e of (1) for the lags, if they are among the unknowns; `None` if the readings do not determine the start.
-    pub fn new(warm: &[Warm], responses: Vec<Vec<Vec<f64>>>, of_lags: &[f64]) -> Option<Starts> {
-        let (nodes, k) = (warm.len(), responses.len());
-        let mut normal = DMatrix::from_fn(k, k, |a, b| product(warm, &responses[a], &responses[b]));
+    pub fn new(columns: &[Column], responses: Vec<Shown>, of_lags: &[f64]) -> Option<Starts> {
+        let (nodes, k) = (responses.len() - of_lags.len(), responses.len());
+        let mut normal = DMatrix::from_fn(k, k, |a, b| product(columns, &responses[a], &responses[b]));
         // A thermometer whose start shows nowhere is of a node that the model has in another mode: the first readings stand.
-        if (0..nodes).any(|node| warm[node].output.is_some() && normal[(node, node)] == 0.0) {
+        if (0..nodes).any(|node| columns[node].output.is_some() && normal[(node, node)] == 0.0) {
             return None;
         }
         for unknown in 0..k {
             let ridge = unknown.checked_sub(nodes).map_or(RIDGE, |lag| of_lags[lag]);
             normal[(unknown, unknown)] += ridge * ridge;
         }
-        Some(Starts { normal: normal.cholesky()?, warm: warm.to_vec(), responses })
+        Some(Starts { normal: normal.cholesky()?, columns: columns.to_vec(), responses })
     }
 
-    /// The sensors.
-    pub fn warm(&self) -> &[Warm] {
-        &self.warm
+    /// The columns.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
     }
 
     /// Standard deviation of the prediction for a sensor and a row of (1), relative to the differences between the nodes: of a start that the
@@ -164,25 +165,16 @@ impl Starts {
 
     /// What such a deviation leaves of (1).
     fn left(&self, deviation: &[Vec<f64>]) -> f64 {
-        let right = self.responses.iter().map(|response| product(&self.warm, response, deviation));
+        let right = self.responses.iter().map(|response| product(&self.columns, response, deviation));
         let right = DVector::from_iterator(self.responses.len(), right);
-        product(&self.warm, deviation, deviation) - right.dot(&self.normal.solve(&right))
+        product(&self.columns, deviation, deviation) - right.dot(&self.normal.solve(&right))
     }
 
     /// Change of the unknowns that explains a deviation of the sensors (by sensor and row) best.
     pub fn explaining(&self, deviation: &[Vec<f64>]) -> DVector<f64> {
-        let right = self.responses.iter().map(|response| product(&self.warm, response, deviation));
+        let right = self.responses.iter().map(|response| product(&self.columns, response, deviation));
         self.normal.solve(&DVector::from_iterator(self.responses.len(), right))
     }
-}
-
-/// Sum of products over the rows of (1) that have a reading.
-fn product(warm: &[Warm], a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
-    let of_sensor = |((sensor, a), b): ((&Warm, &Vec<f64>), &Vec<f64>)| -> f64 {
-        let rows = sensor.readings.iter().zip(a.iter().zip(b));
-        rows.filter(|(reading, _)| reading.is_finite()).map(|(_, (a, b))| a * b).sum()
-    };
-    warm.iter().zip(a).zip(b).map(of_sensor).sum()
 }
 
 impl Warm {
@@ -256,55 +248,56 @@ impl Bench {
         if !drive.estimates_start() {
             return Ok(None);
         }
-        let warm = &drive.warm;
+        let columns = drive.columns(change);
         let at = drive.first_unknowns(change);
-        let Some(shown) = self.shown_at(drive, change, &at)? else { return Ok(None) };
-        let mut responses = Vec::with_capacity(warm.len());
-        for k in 0..warm.len() {
-            let Some(response) = self.start_response(drive, change, &at, &shown, k, WARMER)? else {
+        let Some(shown) = self.shown_at(drive, change, &columns, &at)? else { return Ok(None) };
+        let mut responses = Vec::with_capacity(drive.warm.len());
+        for k in 0..drive.warm.len() {
+            let Some(response) = self.start_response(drive, change, &columns, (&at, &shown), (k, WARMER))?
+            else {
                 return Ok(None);
             };
             responses.push(response);
         }
-        let readings: Shown = warm.iter().map(|sensor| sensor.readings.clone()).collect();
-        let Some(starts) = Starts::new(warm, responses, &[]) else { return Ok(None) };
+        let readings: Shown = columns.iter().map(|column| column.readings.clone()).collect();
+        let Some(starts) = Starts::new(&columns, responses, &[]) else { return Ok(None) };
         let step = starts.explaining(&differences(&readings, &shown, 1.0));
         let nodes = Estimate { at, step, shown, starts, readings };
         let has_lags = change.lags().next().is_some();
         Ok(Some(if has_lags { self.with_lags(drive, change, nodes)? } else { nodes }))
     }
 
-    /// Response of the sensors to an unknown that is greater by `way` than `at`, where they show `shown`; `None` if the model ends within the
+    /// Response of the columns to an unknown that is greater by `way` than `at`, where they show `shown`; `None` if the model ends within the
     /// rows of (1).
     fn start_response(
         &self,
         drive: &Drive,
         change: &Override,
-        at: &[f64],
-        shown: &Shown,
-        unknown: usize,
-        way: f64,
+        columns: &[Column],
+        (at, shown): (&[f64], &Shown),
+        (unknown, way): (usize, f64),
     ) -> Result<Option<Shown>, CalibrateError> {
         let mut moved = at.to_vec();
         moved[unknown] += way;
-        Ok(self.shown_at(drive, change, &moved)?.map(|there| differences(&there, shown, way)))
+        Ok(self.shown_at(drive, change, columns, &moved)?.map(|there| differences(&there, shown, way)))
     }
 
-    /// Outputs of the sensors of [`Drive::warm`] at the rows of (1), by sensor and row; `None` if the model ends within them.
+    /// The columns of (1) as the model has them; `None` if the model ends within the rows.
     fn shown_at(
         &self,
         drive: &Drive,
         change: &Override,
+        columns: &[Column],
         unknowns: &[f64],
-    ) -> Result<Option<Vec<Vec<f64>>>, CalibrateError> {
+    ) -> Result<Option<Shown>, CalibrateError> {
         let mut model = self.begin_at(drive, change, unknowns)?.model;
         // The start of a run is the same for every accuracy of its simulation.
         model.ease(1.0);
-        let rows = drive.warm.iter().map(Warm::rows).max().unwrap_or(0);
-        let mut shown = vec![Vec::with_capacity(rows); drive.warm.len()];
+        let rows = columns.iter().map(|column| column.readings.len()).max().unwrap_or(0);
+        let mut shown = vec![Vec::with_capacity(rows); columns.len()];
         let ending = self.along_rows(drive, rows, model.as_mut(), |model, _| {
-            for (column, output) in shown.iter_mut().zip(drive.warm.iter().map(|sensor| sensor.output)) {
-                column.extend(output.map(|output| model.get(self.outputs()[output])));
+            for (shown, column) in shown.iter_mut().zip(columns) {
+                shown.extend(column.output.map(|output| column.of(model.get(self.outputs()[output]))));
             }
         })?;
         Ok(ending.is_none().then_some(shown))

@@ -198,8 +198,10 @@ impl<'a> Setup<'a> {
     /// Copy for the rows of this experiment, which otherwise is the same, with the noise of its readings.
     fn with_rows(&self, experiment: &'a Experiment) -> Result<Setup<'a>, CalibrateError> {
         let runs = || experiment.runs.iter();
-        let drives = runs().map(|run| Drive::new(experiment, run)).collect::<Result<Vec<_>, _>>()?;
-        let drives = Arc::new(drives);
+        let noise = noise::of_experiment(experiment);
+        let of_outputs = &noise[experiment.inputs.len()..];
+        let drive = |run: &Run| Ok(Drive::new(experiment, run)?.with_others(experiment, run, of_outputs));
+        let drives = Arc::new(runs().map(drive).collect::<Result<Vec<_>, CalibrateError>>()?);
         let all = (f64::NEG_INFINITY, f64::INFINITY);
         let windows: Vec<(f64, f64)> = runs().map(|run| run.window.unwrap_or(all)).collect();
         let of_run = |(run, window): (&Run, &(f64, f64))| Arc::new(blocks(experiment, run, *window));
@@ -210,7 +212,7 @@ impl<'a> Setup<'a> {
             driven: Arc::clone(&drives),
             smooth: Arc::clone(&drives),
             drives,
-            noise: noise::of_experiment(experiment),
+            noise,
             blocks: runs().zip(&windows).map(of_run).collect(),
             windows,
             ..self.clone()

@@ -6,6 +6,7 @@
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role, Run, Start};
+use crate::initial::columns::Column;
 use crate::initial::{self, Started, Warm};
 use crate::overrides::Override;
 use crate::smoothing;
@@ -43,6 +44,8 @@ pub struct Drive {
     set: Vec<(Slot, f64)>,
     /// Sensors of the nodes that do not start at the ambient temperature; empty if the run starts there.
     pub warm: Vec<Warm>,
+    /// Readings of the other outputs that the start of a lag is estimated from.
+    pub others: Vec<Column>,
 }
 
 /// Parameters with limits that end a run; the lowest temperature is a lower limit.
@@ -162,7 +165,8 @@ impl Bench {
     ) -> Result<Started, CalibrateError> {
         let mut model = self.set_up(drive, change)?;
         let (indicated, lags) = unknowns.split_at(drive.warm.len());
-        let lags = initial::lags::values(model.declaration(), change, lags);
+        let mut lags = initial::lags::values(model.declaration(), change, lags);
+        lags.retain(|(slot, _)| !self.starts.iter().chain(&drive.set).any(|(known, _)| known == slot));
         model.set_all(&lags);
         let mut initial = self.start(model.as_mut(), drive, indicated)?;
         initial.extend(lags);
@@ -311,12 +315,12 @@ impl Drive {
                 column.iter_mut().for_each(|x| *x = x.clamp(entry.row.min, entry.row.max));
             }
         }
-        Ok(Drive { time, inputs, set, warm })
+        Ok(Drive { time, inputs, set, warm, others: Vec::new() })
     }
 
     /// Artificial run: inputs by row, in SI units.
     pub fn of(time: Vec<f64>, inputs: Vec<Vec<f64>>) -> Drive {
-        Drive { time, inputs, set: Vec::new(), warm: Vec::new() }
+        Drive { time, inputs, set: Vec::new(), warm: Vec::new(), others: Vec::new() }
     }
 
     /// Greatest value of an input.

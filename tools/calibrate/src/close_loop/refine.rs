@@ -19,6 +19,8 @@ use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::hypothesis::{Addition, Axis, Shape, weight};
 use crate::linearization::Linearization;
+use crate::numbers::ends;
+use crate::outcome::Follows;
 use crate::search::{kernel, spread, table, table_values};
 use crate::selection::NEAR;
 use crate::tangent::Tangent;
@@ -60,12 +62,56 @@ impl<'a> Search<'a> {
             if self.setup.deadline().is_near() {
                 break;
             }
-            if let Some(point) = self.refined(k)? {
+            let refined = self.refined(k)?;
+            if let Some(point) = if refined.is_some() { refined } else { self.narrowed(k)? } {
                 let round = self.rounds.remove(last);
                 self.rounds.insert(last, round.with_point(point));
             }
         }
         Ok(())
+    }
+
+    /// The model with the range of its `k`-th addition, a power of a lag, as far as the fit runs reach; `None` if it is that already. The search
+    /// does not know where the lag of a warm run starts, and has the range of the driver.
+    fn narrowed(&self, k: usize) -> Result<Option<Linearization<'a>>, CalibrateError> {
+        let (setup, point) = (self.setup, self.point());
+        let mut hypothesis = point.fitted.hypothesis.clone();
+        let reached = Self::reached(point, k);
+        let Addition { follows: Follows::Late(driver), shape: Shape::Power { factor }, .. } =
+            &mut hypothesis.additions[k]
+        else {
+            return Ok(None);
+        };
+        let (least, most) = ends(reached.iter().flatten().copied());
+        // A magnitude is between 0 and its greatest value.
+        let range = (if driver.has_sides() { least } else { 0.0 }, most.min(factor.range.1));
+        if point.warm_runs().next().is_none() || !most.is_finite() || range == factor.range {
+            return Ok(None);
+        }
+        factor.range = range;
+        let Ok(fitted) = setup.judged(hypothesis, &point.runs) else { return Ok(None) };
+        if self.is_worse(&fitted) {
+            return Ok(None);
+        }
+        Linearization::judged(setup, fitted, &point.runs).map(Some)
+    }
+
+    /// Values of the first driver of the `k`-th addition in the runs, as it takes them; none where it does not act.
+    fn reached(point: &Linearization, k: usize) -> Vec<Vec<f64>> {
+        let hypothesis = &point.fitted.hypothesis;
+        let own = &hypothesis.additions[k];
+        let of_run = |(run, tangent): (&usize, &Tangent)| {
+            let (place, driver) = (hypothesis.place(k, *run)?, own.follows.drivers().next()?);
+            Some(beyond::values(&own.term()?, place, driver, &tangent.drivers))
+        };
+        let tangents = point.runs.iter().zip(&point.slopes.tangents);
+        tangents.map(|own| of_run(own).unwrap_or_default()).collect()
+    }
+
+    /// Whether the errors of the validation runs are larger than those of the present model.
+    fn is_worse(&self, fitted: &Fitted) -> bool {
+        let is_worse = |known: f64| self.validation_errors(fitted).is_none_or(|own| own > known);
+        self.validation_errors(&self.point().fitted).is_some_and(is_worse)
     }
 
     /// The model with its `k`-th addition refined; `None` if that is not a function of one driver, or no better refined.
@@ -79,13 +125,7 @@ impl<'a> Search<'a> {
         };
         let base = Linearization::beside(setup, setup.judged(without, &point.runs)?, &point.runs, port)?;
         let Some(term) = own.term() else { return Ok(None) };
-        let of_run = |(run, tangent): (&usize, &Tangent)| {
-            let place = point.fitted.hypothesis.place(k, *run)?;
-            Some(beyond::values(&term, place, axis.driver, &tangent.drivers))
-        };
-        let tangents = point.runs.iter().zip(&point.slopes.tangents);
-        // None where the law does not act.
-        let reached: Vec<Vec<f64>> = tangents.map(|own| of_run(own).unwrap_or_default()).collect();
+        let reached = Self::reached(point, k);
         let values = reached.iter().flatten().copied().collect();
         let Some(knots) = spread(values, POINTS, None) else { return Ok(None) };
         let finer = Axis { knots, ..axis.clone() };
@@ -114,10 +154,7 @@ impl<'a> Search<'a> {
         numbers.extend(own.numbers[own.sizes()..].iter().cloned());
         hypothesis.additions[k] = Addition { shape: table(finer, covariance, &gain), numbers, ..own };
         let Ok(fitted) = setup.fit(hypothesis, &point.runs) else { return Ok(None) };
-        let is_worse = |known: f64| self.validation_errors(&fitted).is_none_or(|own| own > known);
-        if fitted.chi_square >= point.fitted.chi_square
-            || self.validation_errors(&point.fitted).is_some_and(is_worse)
-        {
+        if fitted.chi_square >= point.fitted.chi_square || self.is_worse(&fitted) {
             return Ok(None);
         }
         Linearization::judged(setup, fitted, &point.runs).map(Some)

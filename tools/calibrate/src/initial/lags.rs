@@ -1,7 +1,7 @@
 //! The lags of terms at the start of a run: unknowns of eq. (1) beside the temperatures.
 //!
-//! The response to a temperature is the same at any temperature; a law of a lag may rise and fall. Its start is therefore first tried at
-//! values over the range of the law, each with the temperatures that suit it best, and then improved by Gauss-Newton steps as long as they
+//! The response to a temperature is the same at any temperature; a law of a lag may rise and fall, and is constant where its driver begins
+//! outside. Its start is therefore first tried at values over the range of the law, each with the temperatures that suit it best, and then improved by Gauss-Newton steps as long as they
 //! explain more. A start stays within the range of the law: beyond it the law is constant.
 //! *Source*: separable least squares, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
@@ -10,7 +10,7 @@ use crate::CalibrateError;
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
 use physics::model::{Declaration, Slot};
-use physics::terms::{Lag, Law};
+use physics::terms::Lag;
 
 /// e of (1) for a lag, in units of the span of its start. Derivation: the noise of a thermometer, 0.05 K, where nothing in the span is
 /// preferred.
@@ -28,8 +28,6 @@ pub(super) struct Start {
     lag: Lag,
     /// Range of the law, in the unit of the driver, where it has one.
     range: Option<(f64, f64)>,
-    /// Whether the law is a function of any form.
-    is_table: bool,
 }
 
 impl Start {
@@ -40,7 +38,7 @@ impl Start {
             let own = law.ranges().find(|(driver, _)| *driver == lag.driver).map(|(_, range)| range);
             let range =
                 own.filter(|(least, most)| !lag.difference && least < most && (most - least).is_finite());
-            Start { lag, range, is_table: !matches!(law, Law::Product(_)) }
+            Start { lag, range }
         })
     }
 
@@ -62,9 +60,8 @@ impl Start {
 
     /// The values that are tried.
     fn tried(&self, at: f64) -> impl Iterator<Item = f64> {
-        let range = self.range.filter(|_| self.is_table);
         let size = self.lag.driver.nominal();
-        range.into_iter().flat_map(move |(least, most)| {
+        self.range.into_iter().flat_map(move |(least, most)| {
             let point = move |k: usize| least + (most - least) * k as f64 / (TRIED - 1) as f64;
             (0..TRIED).map(move |k| (point(k) - at) / size)
         })
@@ -107,6 +104,7 @@ impl Bench {
         nodes: Estimate,
     ) -> Result<Estimate, CalibrateError> {
         let first = drive.warm.len();
+        let columns = nodes.starts.columns.clone();
         let starts: Vec<Start> = Start::all(change).collect();
         let drivers = self.begin_at(drive, change, &nodes.at)?.model.drivers();
         let initial = |start: &Start| drivers.of(start.lag.driver);
@@ -115,7 +113,7 @@ impl Bench {
             nodes.starts.left(&differences(&nodes.readings, shown, 1.0)) + penalty.sum::<f64>()
         };
         let attempt = |best: &mut Tried, at: Vec<f64>| -> Result<bool, CalibrateError> {
-            let Some(shown) = self.shown_at(drive, change, &at)? else { return Ok(false) };
+            let Some(shown) = self.shown_at(drive, change, &columns, &at)? else { return Ok(false) };
             let left = left(&at, &shown);
             let is_better = left < best.left;
             if is_better {
@@ -136,13 +134,14 @@ impl Bench {
         for _ in 0..STEPS {
             let mut responses = nodes.starts.responses.clone();
             for (k, way) in (first..).zip(ways(change)) {
-                let Some(response) = self.start_response(drive, change, &best.at, &best.shown, k, way)?
+                let Some(response) =
+                    self.start_response(drive, change, &columns, (&best.at, &best.shown), (k, way))?
                 else {
                     return Ok(nodes);
                 };
                 responses.push(response);
             }
-            let Some(equations) = Starts::new(&drive.warm, responses, &ridges(change)) else {
+            let Some(equations) = Starts::new(&columns, responses, &ridges(change)) else {
                 return Ok(nodes);
             };
             let step = equations.explaining(&differences(&nodes.readings, &best.shown, 1.0));
@@ -169,7 +168,7 @@ mod tests {
     use crate::experiment::{Experiment, Start as Begin};
     use crate::setup::Setup;
     use crate::testing::{NOISE, with_warm_term};
-    use physics::terms::{Driver, Factor, GenericTerm, Port, Product, Table};
+    use physics::terms::{Driver, Factor, GenericTerm, Law, Port, Product, Table};
 
     fn term(port: Port, driver: Driver, law: Law, tau: f64, difference: bool) -> GenericTerm {
         GenericTerm { lag: Some(Lag { driver, tau, difference }), ..GenericTerm::new(port, law) }
@@ -201,6 +200,9 @@ mod tests {
             (term(Port::HousingHeat, Driver::HousingTemperature, mass, 400.0, true), -0.1),
             (term(Port::HousingHeat, Driver::Current, line(Driver::Current, 0.5), 300.0, false), 2.5),
             (term(Port::WindingHeat, Driver::CopperLoss, heat, 200.0, false), 1.5),
+            // Voltage and torque alone show these.
+            (term(Port::TorqueConstant, Driver::Speed, line(Driver::Speed, 2e-4), 400.0, false), 2.0),
+            (term(Port::TerminalVoltage, Driver::Speed, line(Driver::Speed, 1e-3), 900.0, false), -1.5),
         ] {
             let experiment = with_warm_term("", term, above, NOISE);
             let (unknowns, worst) = found(&experiment, term);
@@ -223,6 +225,34 @@ mod tests {
         hot.runs[0].table.columns[column].iter_mut().enumerate().for_each(|(row, t)| *t += 0.5 * row as f64);
         let (unknowns, _) = found(&hot, term);
         assert!(unknowns[2] <= 5.0 + 1e-9, "{unknowns:?}");
+    }
+
+    /// The speed begins beyond the law, where it is constant, and the lag within it.
+    #[test]
+    fn a_driver_that_begins_beyond_the_law_does_not_hold_its_lag_there() {
+        let Law::Product(Product { coefficient, factors: [Some(factor), ..] }) = line(Driver::Speed, 5e-3)
+        else {
+            panic!("a line is a product")
+        };
+        let factors = [Some(Factor { range: (0.0, 250.0), ..factor }), None, None];
+        let law = Law::Product(Product { coefficient, factors });
+        let term = term(Port::HousingHeat, Driver::Speed, law, 300.0, false);
+        // 300 rad/s at the start, 80 rad/s before.
+        let (unknowns, worst) = found(&with_warm_term("", term, -2.2, NOISE), term);
+        assert!((unknowns[2] + 2.2).abs() < 0.05 && worst < 0.1, "{unknowns:?}, {worst} K");
+    }
+
+    /// A start that is given is no unknown.
+    #[test]
+    fn a_start_that_is_set_stays() {
+        let term = term(Port::HousingHeat, Driver::Current, line(Driver::Current, 0.5), 300.0, false);
+        let mut experiment = with_warm_term("", term, 2.5, NOISE);
+        experiment.runs[0].set.push(("initial.term_lag_1".to_string(), 0.7));
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let change = Override { values: Vec::new(), terms: vec![term] };
+        let mut model = setup.bench.begin(&setup.drives[0], &change).unwrap();
+        let state = setup.bench.declaration().by_name("state.term_lag[1]").unwrap().slot;
+        assert!((model.get(state) - 3.0 - 0.7).abs() < 1e-9, "{}", model.get(state));
     }
 
     /// A run from ambient temperature starts with its drivers: a motor at rest.

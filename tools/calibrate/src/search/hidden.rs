@@ -45,14 +45,20 @@ pub(super) struct Late {
     pub(super) lag: Lag,
     reached: Vec<Vec<f64>>,
     factor: Factor,
+    /// Least and greatest value that it may have.
+    range: (f64, f64),
 }
 
 impl Late {
     fn new(point: &Linearization, lag: Lag) -> Late {
-        let tangents = point.slopes.tangents.iter();
-        let reached: Vec<Vec<f64>> = tangents.map(|t| followed(&t.time, &t.drivers, lag, 0.0)).collect();
-        let factor = scale(lag.driver, reached.iter().flatten().copied());
-        Late { lag, reached, factor }
+        let tangents = || point.slopes.tangents.iter();
+        let reached: Vec<Vec<f64>> = tangents().map(|t| followed(&t.time, &t.drivers, lag, 0.0)).collect();
+        // A run that starts warm may have begun anywhere in the range of the driver.
+        let is_warm = !lag.difference && point.warm_runs().next().is_some();
+        let before = tangents().flat_map(|t| &t.drivers).filter(|_| is_warm).map(|d| d.of(lag.driver));
+        let values = || reached.iter().flatten().copied().chain(before.clone());
+        let (factor, range) = (scale(lag.driver, values()), ends(values()));
+        Late { lag, reached, factor, range }
     }
 
     /// Without limits: of a mass.
@@ -65,7 +71,7 @@ impl Late {
 
     /// Points of a table over it, at equal distances; `None` if it is constant.
     fn knots(&self) -> Option<Vec<f64>> {
-        let (least, most) = ends(self.reached.iter().flatten().copied());
+        let (least, most) = self.range;
         let at = |k: usize| least + (most - least) * k as f64 / (POINTS - 1) as f64;
         let knots: Vec<f64> = (0..POINTS).map(at).collect();
         knots.windows(2).all(|pair| pair[0] < pair[1]).then_some(knots)

@@ -1,7 +1,8 @@
 //! Initial temperatures and lags that are estimated from the first rows adapt to a perturbation.
 
 use super::{Direction, Tangent};
-use crate::initial::{Starts, Warm, lags};
+use crate::initial::columns::Column;
+use crate::initial::{Starts, lags};
 use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
 
@@ -33,26 +34,22 @@ impl Adapted {
             Some(tangent.response(&direction, |_| 1.0))
         });
         let responses: Vec<Vec<f64>> = responses.collect::<Option<_>>()?;
-        let (warm, outputs) = (&drive.warm, tangent.outputs);
-        let indicated = responses.iter().map(|r| indicated_by(warm, outputs, r)).collect();
-        let starts = Starts::new(warm, indicated, &lags::ridges(change))?;
+        let (columns, outputs) = (drive.columns(change), tangent.outputs);
+        let indicated = responses.iter().map(|r| indicated_by(&columns, outputs, r)).collect();
+        let starts = Starts::new(&columns, indicated, &lags::ridges(change))?;
         Some(Adapted { outputs, responses, starts })
     }
 
     /// Subtracts from a response, rows times outputs, what the initial temperatures take over.
     pub fn adapt(&self, response: &mut [f64]) {
-        let taken = self.starts.explaining(&indicated_by(self.starts.warm(), self.outputs, response));
+        let taken = self.starts.explaining(&indicated_by(self.starts.columns(), self.outputs, response));
         for (own, size) in self.responses.iter().zip(taken.iter()) {
             response.iter_mut().zip(own).for_each(|(value, own)| *value -= size * own);
         }
     }
 }
 
-/// A response of these sensors at the rows of the estimate, by sensor and row.
-fn indicated_by(warm: &[Warm], outputs: usize, response: &[f64]) -> Vec<Vec<f64>> {
-    let of = |sensor: &Warm| {
-        let rows = |output: usize| response.iter().skip(output).step_by(outputs).take(sensor.rows());
-        sensor.output.map_or_else(Vec::new, |output| rows(output).copied().collect())
-    };
-    warm.iter().map(of).collect()
+/// A response as these columns have it.
+fn indicated_by(columns: &[Column], outputs: usize, response: &[f64]) -> Vec<Vec<f64>> {
+    columns.iter().map(|column| column.of_response(outputs, response)).collect()
 }
