@@ -15,7 +15,7 @@
 //!
 //! The lag of a term, such as the temperature of a mass that the model lacked, does not start at its driver's value either: a motor that
 //! ran before has warm magnets. It is one more unknown of such a run, in units of a typical change of its driver, and y0 = 0. A law may
-//! act on a voltage or a torque alone, so with a lag y are all outputs, each in units of its noise.
+//! act on a voltage or a torque alone; then y are all outputs, each in units of its noise.
 //! *Sources*: Ljung, System Identification, 2nd ed. (1999), section 10.1 (initial conditions as unknowns of a record); Hoerl, Kennard,
 //! Technometrics 12 (1970) 55-67 (e: ridge regression).
 

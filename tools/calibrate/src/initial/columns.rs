@@ -4,6 +4,7 @@ use super::{PART, Warm};
 use crate::experiment::{Experiment, Run};
 use crate::overrides::Override;
 use crate::simulate::Drive;
+use physics::terms::Port;
 
 /// Readings of an output in the rows of eq. (1).
 #[derive(Clone, Debug)]
@@ -57,10 +58,12 @@ pub fn product(columns: &[Column], a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
 }
 
 impl Drive {
-    /// The columns of (1): those of the nodes, and with a lag all other outputs, because a law may act on a voltage or a torque alone.
+    /// The columns of (1): those of the nodes, and all other outputs if a law of a lag acts on a voltage, a current or a torque, which may be all
+    /// that it acts on. Otherwise their structure error would be taken for temperatures.
     pub fn columns(&self, change: &Override) -> Vec<Column> {
-        let has_lags = change.lags().next().is_some();
-        let others = self.others.iter().filter(|_| has_lags).cloned();
+        let is_shown = |port: Port| port.is_fast() || port == Port::TorqueSensor;
+        let is_theirs = change.lags().any(|(place, _)| is_shown(change.terms[place].port));
+        let others = self.others.iter().filter(|_| is_theirs).cloned();
         self.warm.iter().map(Column::of_node).chain(others).collect()
     }
 
