@@ -152,7 +152,8 @@ impl Bench {
             }
             let is_near =
                 |(k, start): (usize, &Start)| (at[first + k] - best.at[first + k]).abs() < WAY * start.span();
-            if starts.iter().enumerate().all(is_near) || !attempt(&mut best, at)? {
+            let is_last = starts.iter().enumerate().all(is_near);
+            if !attempt(&mut best, at)? || is_last {
                 break;
             }
         }
