@@ -6,7 +6,7 @@ use crate::common::load_table;
 use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Entry, Model, ModelType, Slot};
 use physics::models;
-use physics::terms::{Driver, GenericTerm, Law, Port, Table};
+use physics::terms::{Driver, GenericTerm, Lag, Law, Port, Table};
 
 /// Operating points that are tried at most.
 const POINTS: u64 = 600;
@@ -106,12 +106,14 @@ fn without_effect(kind: &ModelType) -> Vec<&'static str> {
         let pairs = a.iter().zip(b).zip(&nominals);
         pairs.into_iter().any(|((a, b), n)| (a - b).abs() > ROUNDING * a.abs().max(b.abs()).max(*n))
     };
+    // Lags, so that their starts move outputs.
+    let lag = Some(Lag { driver: Driver::Speed, tau: 10.0, difference: false });
     let table = |port| {
-        Table::new(Driver::Speed, &[0.0, 1000.0], &[0.01, 0.02])
-            .map(|t| GenericTerm::new(port, Law::Table(t)))
+        let law = Table::new(Driver::Speed, &[0.0, 1000.0], &[0.01, 0.02])?;
+        Some(GenericTerm { lag, ..GenericTerm::new(port, Law::Table(law)) })
     };
-    let terms: Vec<GenericTerm> =
-        [Port::DragTorque, Port::WindingHeat].into_iter().filter_map(table).collect();
+    let ports = [Port::DragTorque, Port::WindingHeat, Port::HousingHeat];
+    let terms: Vec<GenericTerm> = ports.into_iter().filter_map(table).collect();
     for point in 0..POINTS {
         if rest.is_empty() {
             break;

@@ -144,6 +144,13 @@ pub struct Gain {
     state: (usize, usize),
 }
 
+impl Gain {
+    /// The same less the price of coefficients.
+    pub fn less(self, price: f64) -> Gain {
+        Gain { raw: self.raw - price, whitened: self.whitened - price, ..self }
+    }
+}
+
 impl Evidence {
     /// The null model of a residual. `slopes` are sensitivities to the parameters in the units of their `prior`, `drift` the columns of B
     /// for a drift with the deviation of the noise, `knots` the time and the sensor of each of them, and `series` the outputs and runs of

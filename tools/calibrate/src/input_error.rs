@@ -229,7 +229,7 @@ fn fitted(point: &Linearization, mut wrong: Wrong) -> Result<Wrong, CalibrateErr
     let Some(addition) = best.and_then(|s| s.addition.as_ref()) else { return Ok(alone) };
     let mut start = hypothesis;
     start.additions.push(addition.clone());
-    let price = alone.price + point.per_number() * addition.price();
+    let price = alone.price + point.per_number() * point.setup.price(addition);
     let effect = point.setup.fit_addition(start.clone(), &point.runs)?;
     let effect = sure(&Linearization::judged(point.setup, effect, &point.runs)?, point);
     let (both, _) = settled(point, Wrong { price, ..alone.clone() }, &start, &places)?;

@@ -5,7 +5,7 @@ mod blocks;
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Prior, Role, Run};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Addition, Hypothesis};
 use crate::noise;
 use crate::overrides::Override;
 use crate::parallel;
@@ -332,6 +332,15 @@ impl<'a> Setup<'a> {
         change.values.extend(declared.map(|(d, value)| (d.slot, *value)));
         hypothesis.additions.iter().filter(|a| a.active[run]).for_each(|a| a.apply(&mut change));
         change
+    }
+
+    /// Number of coefficients that an addition counts as in the complexity penalty: its own, and the start of its lag in each of these runs that
+    /// starts warm.
+    pub fn price(&self, addition: &Addition) -> f64 {
+        let runs = [Role::Fit, Role::Validate].into_iter().flat_map(|role| self.runs(role));
+        let warm = runs.filter(|run| addition.active[*run] && self.drives[*run].estimates_start());
+        let starts = if addition.lag().is_some() { warm.count() } else { 0 };
+        addition.price() + starts as f64
     }
 
     /// The same without the unknowns of that single run, as for another run.

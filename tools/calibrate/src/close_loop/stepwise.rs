@@ -104,7 +104,7 @@ impl<'a> Search<'a> {
     /// Decrease of the cost by all additions together, less the price of their numbers.
     fn explained(&self) -> f64 {
         let (white, raw) = self.point().explains(&self.first);
-        let prices = self.point().fitted.hypothesis.additions.iter().map(Addition::price);
+        let prices = self.point().fitted.hypothesis.additions.iter().map(|own| self.setup.price(own));
         white.min(raw) - self.first.per_number() * prices.sum::<f64>()
     }
 

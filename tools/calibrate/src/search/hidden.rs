@@ -37,18 +37,16 @@ const EXPONENTS: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 const LIMITS: (f64, f64) = (0.5, 4.0);
 /// Unit of a time constant in the fit, relative to its value. Numerical: scale of a variable.
 const SCALE: f64 = 0.2;
-/// Points of a table over a lagged driver; over the range of the driver, if a run starts warm. Numerical: its prior correlates neighbouring
-/// points by 0.78, exp(-1/4), and 0.85, exp(-1/6).
-const POINTS: (usize, usize) = (5, 7);
+/// Points of a table over a lagged driver. Numerical: its prior correlates neighbouring points by 0.78, exp(-1/4).
+const POINTS: usize = 5;
 
 /// Lagged driver, run by run.
 pub(super) struct Late {
     pub(super) lag: Lag,
     reached: Vec<Vec<f64>>,
     factor: Factor,
-    /// Least and greatest value that it may have, and points of a table over it.
+    /// Least and greatest value that it may have.
     range: (f64, f64),
-    points: usize,
 }
 
 impl Late {
@@ -60,8 +58,7 @@ impl Late {
         let before = tangents().flat_map(|t| &t.drivers).filter(|_| is_warm).map(|d| d.of(lag.driver));
         let values = || reached.iter().flatten().copied().chain(before.clone());
         let (factor, range) = (scale(lag.driver, values()), ends(values()));
-        let points = if is_warm { POINTS.1 } else { POINTS.0 };
-        Late { lag, reached, factor, range, points }
+        Late { lag, reached, factor, range }
     }
 
     /// Without limits: of a mass.
@@ -75,8 +72,8 @@ impl Late {
     /// Points of a table over it, at equal distances; `None` if it is constant.
     fn knots(&self) -> Option<Vec<f64>> {
         let (least, most) = self.range;
-        let at = |k: usize| least + (most - least) * k as f64 / (self.points - 1) as f64;
-        let knots: Vec<f64> = (0..self.points).map(at).collect();
+        let at = |k: usize| least + (most - least) * k as f64 / (POINTS - 1) as f64;
+        let knots: Vec<f64> = (0..POINTS).map(at).collect();
         knots.windows(2).all(|pair| pair[0] < pair[1]).then_some(knots)
     }
 
@@ -216,7 +213,7 @@ fn lines(
     let late: Vec<&Late> = powers.iter().map(|(late, _)| *late).collect();
     let explain = |s: &DMatrix<f64>, starts: usize| point.evidence.gains(s, 1 + starts);
     let span = |gain: &Gain, k: usize| gain.size[0].abs() * powers[k].0.span(point, powers[k].1);
-    decays.gains(columns, &late, explain, span)
+    decays.gains(columns, &late, explain, span, point.per_number())
 }
 
 fn powers(
@@ -252,21 +249,20 @@ impl<'l> Table<'l> {
     fn best(point: &Linearization, port: Port, decays: &Decays, late: &[&'l Late]) -> Option<Table<'l>> {
         let own: Vec<(&Late, Vec<f64>)> =
             late.iter().filter_map(|late| Some((*late, late.knots()?))).collect();
-        let points = own.first()?.0.points;
-        let columns = point.port_columns(port, points * own.len(), |k, r, row, _| {
-            let (late, knots) = &own[k / points];
-            hat(knots, k % points, late.reached[r][row])
+        let columns = point.port_columns(port, POINTS * own.len(), |k, r, row, _| {
+            let (late, knots) = &own[k / POINTS];
+            hat(knots, k % POINTS, late.reached[r][row])
         })?;
         // Knots at equal distances have the same covariance at every time constant. A start is as large as the law.
         let kernel = alike(&own.first()?.1);
         let explain = |s: &DMatrix<f64>, starts: usize| {
-            let mut with = DMatrix::identity(points + starts, points + starts);
-            with.view_mut((0, 0), (points, points)).copy_from(&kernel);
+            let mut with = DMatrix::identity(POINTS + starts, POINTS + starts);
+            with.view_mut((0, 0), (POINTS, POINTS)).copy_from(&kernel);
             point.evidence.shapes(s, &with)
         };
-        let span = |gain: &Gain, _: usize| range(gain.size.iter().take(points).copied());
+        let span = |gain: &Gain, _: usize| range(gain.size.iter().take(POINTS).copied());
         let late: Vec<&Late> = own.iter().map(|(late, _)| *late).collect();
-        let gains = decays.gains(&columns, &late, explain, span);
+        let gains = decays.gains(&columns, &late, explain, span, point.per_number());
         let ((late, knots), gain) = best(own.into_iter().zip(gains))?;
         Some(Table { late, knots, gain })
     }

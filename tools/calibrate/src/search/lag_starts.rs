@@ -40,14 +40,15 @@ impl Decays {
         DMatrix::from_columns(&own.collect::<Vec<_>>())
     }
 
-    /// Gains of laws, each with its starts where these are plausible and explain more; `explain` has the gains of groups of columns, `span` the
-    /// greatest less the least value of the law with this index.
+    /// Gains of laws, each with its starts where these are plausible and explain more than their price, that of a number each; `explain` has the
+    /// gains of groups of columns, `span` the greatest less the least value of the law with this index.
     pub(super) fn gains(
         &self,
         laws: &DMatrix<f64>,
         late: &[&Late],
         explain: impl Fn(&DMatrix<f64>, usize) -> Vec<Option<Gain>>,
         span: impl Fn(&Gain, usize) -> f64,
+        per_number: f64,
     ) -> Vec<Option<Gain>> {
         let plain = explain(laws, 0);
         if self.runs == 0 {
@@ -59,7 +60,8 @@ impl Decays {
             starts.map(|start| start.abs()).fold(0.0, f64::max) <= span(gain, k)
         };
         let best = |(k, (with, plain)): (usize, (Option<Gain>, Option<Gain>))| {
-            let with = with.filter(|gain| is_plausible(gain, k));
+            let price = self.runs as f64 * per_number;
+            let with = with.filter(|gain| is_plausible(gain, k)).map(|gain| gain.less(price));
             [with, plain].into_iter().flatten().max_by(|a, b| a.whitened.total_cmp(&b.whitened))
         };
         with.into_iter().zip(plain).enumerate().map(best).collect()

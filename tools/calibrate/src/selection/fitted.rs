@@ -55,7 +55,7 @@ fn fitted_as<'a>(
     let fitted =
         known.or_fitted(&guess, || setup.fit_addition(guess.clone(), &point.runs), setup.deadline())?;
     let larger = Linearization::judged(setup, fitted, &point.runs)?;
-    let cost = point.per_number() * addition.price()
+    let cost = point.per_number() * setup.price(addition)
         + if addition.is_listed() { 0.0 } else { choice(addition.port, addition.follows) };
     let of_runs = if addition.is_in_every_run() { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
     let (white, raw) = larger.explains(point);
