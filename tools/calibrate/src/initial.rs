@@ -165,15 +165,19 @@ impl Starts {
 
     /// What such a deviation leaves of (1).
     fn left(&self, deviation: &[Vec<f64>]) -> f64 {
-        let right = self.responses.iter().map(|response| product(&self.columns, response, deviation));
-        let right = DVector::from_iterator(self.responses.len(), right);
+        let right = self.right(deviation);
         product(&self.columns, deviation, deviation) - right.dot(&self.normal.solve(&right))
     }
 
     /// Change of the unknowns that explains a deviation of the sensors (by sensor and row) best.
     pub fn explaining(&self, deviation: &[Vec<f64>]) -> DVector<f64> {
+        self.normal.solve(&self.right(deviation))
+    }
+
+    /// Right side of the normal equations.
+    fn right(&self, deviation: &[Vec<f64>]) -> DVector<f64> {
         let right = self.responses.iter().map(|response| product(&self.columns, response, deviation));
-        self.normal.solve(&DVector::from_iterator(self.responses.len(), right))
+        DVector::from_iterator(self.responses.len(), right)
     }
 }
 

@@ -1,8 +1,8 @@
 //! The lags of terms at the start of a run: unknowns of eq. (1) beside the temperatures.
 //!
 //! The response to a temperature is the same at any temperature; a law of a lag may rise and fall, and is constant where its driver begins
-//! outside. Its start is therefore first tried at values over the range of the law, each with the temperatures that suit it best, and then improved by Gauss-Newton steps as long as they
-//! explain more. A start stays within the range of the law: beyond it the law is constant.
+//! outside. Its start is therefore first tried at values over the range of the law, each with the temperatures that suit it best, and then
+//! improved by Gauss-Newton steps as long as they explain more. A start stays within the range of the law.
 //! *Source*: separable least squares, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
 use super::{Estimate, Shown, Starts, differences};
