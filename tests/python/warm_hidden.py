@@ -1,6 +1,6 @@
 """A motor with a hidden state that ran before the files begin: a two-node motor, independent of the Rust code.
 
-A mass hangs on a node, or a law follows a first-order lag of a driver. Before the first row each run has another load, of which nothing
+A mass is attached to a node, or a law follows a first-order lag of a driver. Before the first row each run has another load, of which nothing
 is recorded, so that the hidden state does not start where its driver is.
 """
 
@@ -31,7 +31,7 @@ NOISE = {
     "housing_temperature_degC": 0.05,
 }
 INPUTS = ("current_A", "speed_rad_per_s", "fan_command_1", "ambient_temperature_degC")
-TYPICAL = {"speed": 100.0, "current": 1.0, "copper_loss": 10.0, "winding_temperature": 100.0, "housing_temperature": 100.0}
+TYPICAL = {"speed": 100.0, "current": 1.0, "winding_temperature": 100.0, "housing_temperature": 100.0}
 ALPHA, ALPHA_MAG, REFERENCE, KELVIN = 0.0039, -0.0012, 298.15, 273.15
 ROW, DIVIDED, DURATION = 4.0, 4, 4500.0  # s, steps within a row, s
 ROLES = ("fit", "fit", "validate", "test")
@@ -94,7 +94,6 @@ class Motor:
         driver = {
             "speed": speed,
             "current": current,
-            "copper_loss": loss,
             "winding_temperature": winding,
             "housing_temperature": housing,
         }[case.driver]

@@ -59,7 +59,7 @@ const MOST_BYTES: u64 = 3 << 20;
 /// What platforms may differ by (`compare::difference`): their C libraries round pow and exp differently.
 const TOLERANCE: f64 = 1e-12;
 /// The run that is compared: stop and step (s), and settings by model. The step is one that the integrator takes whole:
-/// where its error control cuts one, the length of the parts hangs on the last digits, and an ulp of the
+/// where its error control cuts one, the length of the parts depends on the last digits, and an ulp of the
 /// supply moves the gearmotor's outputs by 1e-10 on one and the same machine.
 const RUN: [&str; 2] = ["1", "0.0002"];
 const SETTINGS: [(&str, &[&str]); 4] = [

@@ -62,8 +62,11 @@ impl<'a> Search<'a> {
             if self.setup.deadline().is_near() {
                 break;
             }
-            let refined = self.refined(k)?;
-            if let Some(point) = if refined.is_some() { refined } else { self.narrowed(k)? } {
+            let better = match self.refined(k)? {
+                None => self.narrowed(k)?,
+                refined => refined,
+            };
+            if let Some(point) = better {
                 let round = self.rounds.remove(last);
                 self.rounds.insert(last, round.with_point(point));
             }
@@ -75,17 +78,19 @@ impl<'a> Search<'a> {
     /// does not know where the lag of a warm run starts, and has the range of the driver.
     fn narrowed(&self, k: usize) -> Result<Option<Linearization<'a>>, CalibrateError> {
         let (setup, point) = (self.setup, self.point());
+        if point.warm_runs().next().is_none() {
+            return Ok(None);
+        }
         let mut hypothesis = point.fitted.hypothesis.clone();
-        let reached = Self::reached(point, k);
         let Addition { follows: Follows::Late(driver), shape: Shape::Power { factor }, .. } =
             &mut hypothesis.additions[k]
         else {
             return Ok(None);
         };
-        let (least, most) = ends(reached.iter().flatten().copied());
+        let (least, most) = ends(Self::reached(point, k).into_iter().flatten());
         // A magnitude is between 0 and its greatest value.
         let range = (if driver.has_sides() { least } else { 0.0 }, most.min(factor.range.1));
-        if point.warm_runs().next().is_none() || !most.is_finite() || range == factor.range {
+        if !most.is_finite() || range == factor.range {
             return Ok(None);
         }
         factor.range = range;

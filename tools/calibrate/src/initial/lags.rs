@@ -104,16 +104,17 @@ impl Bench {
         nodes: Estimate,
     ) -> Result<Estimate, CalibrateError> {
         let first = drive.warm.len();
-        let columns = nodes.starts.columns.clone();
+        let columns = &nodes.starts.columns;
         let starts: Vec<Start> = Start::all(change).collect();
+        let ridges = ridges(change);
         let drivers = self.begin_at(drive, change, &nodes.at)?.model.drivers();
         let initial = |start: &Start| drivers.of(start.lag.driver);
         let left = |at: &[f64], shown: &Shown| {
-            let penalty = at[first..].iter().zip(ridges(change)).map(|(value, e)| (value * e).powi(2));
+            let penalty = at[first..].iter().zip(&ridges).map(|(value, e)| (value * e).powi(2));
             nodes.starts.left(&differences(&nodes.readings, shown, 1.0)) + penalty.sum::<f64>()
         };
         let attempt = |best: &mut Tried, at: Vec<f64>| -> Result<bool, CalibrateError> {
-            let Some(shown) = self.shown_at(drive, change, &columns, &at)? else { return Ok(false) };
+            let Some(shown) = self.shown_at(drive, change, columns, &at)? else { return Ok(false) };
             let left = left(&at, &shown);
             let is_better = left < best.left;
             if is_better {
@@ -135,13 +136,13 @@ impl Bench {
             let mut responses = nodes.starts.responses.clone();
             for (k, way) in (first..).zip(ways(change)) {
                 let Some(response) =
-                    self.start_response(drive, change, &columns, (&best.at, &best.shown), (k, way))?
+                    self.start_response(drive, change, columns, (&best.at, &best.shown), (k, way))?
                 else {
                     return Ok(nodes);
                 };
                 responses.push(response);
             }
-            let Some(equations) = Starts::new(&columns, responses, &ridges(change)) else {
+            let Some(equations) = Starts::new(columns, responses, &ridges) else {
                 return Ok(nodes);
             };
             let step = equations.explaining(&differences(&nodes.readings, &best.shown, 1.0));

@@ -157,17 +157,22 @@ fn a_function_of_a_hidden_state_needs_no_slope() {
     });
 }
 
-/// A mass that the model lacks at the housing: its conductance and its time constant, and none at the winding.
-#[test]
-fn a_mass_at_a_node_is_found() {
+/// A mass at the housing: 0.15 W/K, 300 s.
+fn mass() -> GenericTerm {
     let driver = Driver::HousingTemperature;
     let factor = Factor { driver, offset: 0.0, reference: 10.0, exponent: 1.0, range: Factor::UNLIMITED };
     let law = Law::Product(Product { coefficient: 1.5, factors: [Some(factor), None, None] });
     let lag = Some(Lag { driver, tau: 300.0, difference: true });
-    found_of(GenericTerm { port: Port::HousingHeat, law, lag }, |point, scored| {
-        let mass = |s: &&Scored| matches!(s.follows, Follows::Mass(_));
-        let best = scored.iter().find(mass).unwrap();
-        assert_eq!((best.port, best.follows), (Port::HousingHeat, Follows::Mass(driver)));
+    GenericTerm { port: Port::HousingHeat, law, lag }
+}
+
+/// A mass that the model lacks at the housing: its conductance and its time constant, and none at the winding.
+#[test]
+fn a_mass_at_a_node_is_found() {
+    found_of(mass(), |point, scored| {
+        let is_mass = |s: &&Scored| matches!(s.follows, Follows::Mass(_));
+        let best = scored.iter().find(is_mass).unwrap();
+        assert_eq!((best.port, best.follows), (Port::HousingHeat, Follows::Mass(Driver::HousingTemperature)));
         let mut hypothesis = point.setup.preset();
         hypothesis.additions.extend(best.addition.clone());
         let fitted = point.setup.fit(hypothesis, &[0]).unwrap();
@@ -186,19 +191,14 @@ fn a_mass_at_a_node_is_found() {
 /// A mass that was heated before the run: its start is an unknown beside its conductance and its time constant.
 #[test]
 fn a_mass_that_starts_warm_is_found() {
-    let driver = Driver::HousingTemperature;
-    let factor = Factor { driver, offset: 0.0, reference: 10.0, exponent: 1.0, range: Factor::UNLIMITED };
-    let law = Law::Product(Product { coefficient: 1.5, factors: [Some(factor), None, None] });
-    let lag = Some(Lag { driver, tau: 300.0, difference: true });
-    let term = GenericTerm { port: Port::HousingHeat, law, lag };
     for above in [0.15, -0.1] {
-        let experiment = testing::with_warm_term(PRIORS, term, above, NOISE);
+        let experiment = testing::with_warm_term(PRIORS, mass(), above, NOISE);
         let setup = Setup::new(&experiment, &[]).unwrap();
         let point = Linearization::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
         let scored = search(&point);
         let is_mass = |s: &&Scored| matches!(s.follows, Follows::Mass(_));
         let best = scored.iter().find(is_mass).unwrap();
-        assert_eq!((best.port, best.follows), (Port::HousingHeat, Follows::Mass(driver)));
+        assert_eq!((best.port, best.follows), (Port::HousingHeat, Follows::Mass(Driver::HousingTemperature)));
         let tau = best.addition.as_ref().unwrap().lag().unwrap().tau;
         assert!((tau / 300.0).ln().abs() < 0.7, "{tau}");
         let mut hypothesis = setup.preset();
