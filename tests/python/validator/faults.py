@@ -76,6 +76,11 @@ def variable(text):
     return edit(r"  </ModelVariables>", rf"    {text}\n  </ModelVariables>")
 
 
+def unit(name, base):
+    """One more unit, at the end of the list."""
+    return edit(r"  </UnitDefinitions>", rf'    <Unit name="{name}"><BaseUnit {base}/></Unit>\n  </UnitDefinitions>')
+
+
 def move_library(place, cut=None):
     """Puts the library somewhere else; `cut` keeps only its first bytes."""
 
@@ -83,6 +88,15 @@ def move_library(place, cut=None):
         name = library(files)
         content = files.entries.pop(name)
         files.entries[place] = content[:cut]
+
+    return change
+
+
+def cut(name, length):
+    """Keeps the first bytes of a file."""
+
+    def change(files):
+        files.entries[name] = files.entries[name][:length]
 
     return change
 
@@ -226,6 +240,15 @@ MEANING = [
         FOREIGN[2],
         edit(r"  </UnitDefinitions>", r'    <Unit name="degF"><BaseUnit K="1" offset="255.37"/></Unit>\n  </UnitDefinitions>'),
     ),
+    Fault(
+        "unit-contradiction",
+        "revolutions per minute with the factor of revolutions per second",
+        OURS[3],
+        edit(r'(<DisplayUnit name="rpm" factor=")[^"]*"', r'\g<1>0.15915494"'),
+    ),
+    Fault("unit-contradiction", "millinewton metres without a factor", FOREIGN[3], unit('mN.m', 'kg="1" m="2" s="-2"')),
+    Fault("unit-exponents", "a torque with the exponents of a power", OURS[2], edit(r'(<Unit name="N.m">\s*<BaseUnit kg="1" m="2" s=)"-2"', r'\1"-3"')),
+    Fault("unit-exponents", "a heat transfer coefficient with those of a conductance", FOREIGN[2], unit("W/(m2.K)", 'kg="1" m="2" s="-3" K="-1"')),
     Fault("display-unit-ignored", "a display unit that is not defined", OURS[2], attribute("duty", "displayUnit", "%")),
     Fault("nominal-doubtful", "a parameter with the nominal value 0", FOREIGN[2], attribute("damping", "nominal", "0")),
     Fault("nominal-state", "a state with the nominal value 0", FOREIGN[3], attribute("v", "nominal", "0")),
@@ -335,6 +358,9 @@ FILES = [
         add(ICONS, TERMINALS.format(MEMBER.format("x", "a") + MEMBER.format("power", "a"))),
     ),
     Fault("svg-without-png", "an icon as SVG alone", FOREIGN[3], add("terminalsAndIcons/icon.svg", "<svg/>")),
+    Fault("picture-unreadable", "a text as the icon", OURS[2], add("model.png", "an icon")),
+    Fault("picture-unreadable", "the icon of the terminals is cut off", OURS[3], cut("terminalsAndIcons/icon.png", 900)),
+    Fault("picture-unreadable", "an icon that is a web page", OURS[2], add("terminalsAndIcons/icon.svg", "<html/>")),
     Fault("build-description-missing", "source code without build description", FOREIGN[3], add("sources/model.c", "int x;")),
     Fault(
         "source-file-missing",
@@ -369,6 +395,14 @@ TOGETHER = [
     ),
     Fault("value-outside", "an output outside its declared limits", OURS[3], attribute("winding_temperature", "max", "200")),
     Fault("reference-file", "listed reference results are missing", FOREIGN[2], lambda files: files.entries.pop(REFERENCE)),
+    Fault("reference-column", "reference results of a variable that does not exist", FOREIGN[3], edit("time,x", "time,place", REFERENCE)),
+    Fault("reference-column", "reference results with NaN in one row", FOREIGN[2], edit(r"(\n[^\n]*\n[^\n,]*,)[^\n,]*", r"\1NaN", REFERENCE)),
+    Fault(
+        "output-derivative-order",
+        "output derivatives of a higher order than the library gives",
+        FOREIGN[2],
+        edit('maxOutputDerivativeOrder="1"', 'maxOutputDerivativeOrder="3"'),
+    ),
     Fault(
         "life-cycle",
         "a value reference that is unknown to the library",
@@ -413,6 +447,8 @@ BEHAVIOUR = [
     seeded("start-differs", "a parameter starts at another value", "start", 3),
     seeded("start-differs", "a string starts at another value", "start_text", 2),
     seeded("set-lost", "a parameter ignores the value that is set", "set_lost", 3),
+    seeded("tunable-refused", "a tunable parameter cannot be set after the start", "tunable_refused", 2),
+    seeded("tunable-refused", "the same in event mode", "tunable_refused", 3),
     seeded("set-order", "setting one parameter changes another", "set_order", 2),
     seeded("set-start", "setting the present value changes the dynamics", "set_disturbs", 3),
     seeded("get-changes", "reading changes the state", "get_changes", 2),

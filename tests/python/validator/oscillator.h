@@ -118,6 +118,7 @@ static int set_real(Instance *c, unsigned vr, double value) {
     Values *s = &c->now;
     double *target = 0, low = -INFINITY;
     s->user = 1;
+    if (fault("tunable_refused") && vr == DAMPING && s->time > 0.0) return 1;
     switch (vr) {
     case FORCE: target = &s->force; shared_force = value; break;
     case MASS: target = &s->mass; low = 0.1; break;

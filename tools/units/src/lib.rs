@@ -157,6 +157,35 @@ pub fn conversion(from: &str, to: &str, relative: bool) -> Result<Conversion, Re
     Ok(Conversion { from: reading, to: target, relative, reciprocal })
 }
 
+/// What a name may mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meaning {
+    /// Exponents of kg, m, s, A, K and rad.
+    pub exponents: [i8; 6],
+    /// SI value = factor * value + offset.
+    pub factor: f64,
+    /// See `factor`; of a unit of temperature that stands alone.
+    pub offset: f64,
+}
+
+/// All meanings of a name with whole exponents, the likeliest first; none for a text that is no unit.
+pub fn meanings(name: &str) -> Vec<Meaning> {
+    let mut found = readings(name);
+    found.sort_by_key(|r| r.cost);
+    let whole = found.iter().filter(|r| r.dimension.0.iter().all(|halves| halves % 2 == 0));
+    let meaning = |r: &Reading| Meaning {
+        exponents: r.dimension.0.map(|halves| halves / 2),
+        factor: scaled(1.0, r.factor, r.tens),
+        offset: r.offset,
+    };
+    whole.map(meaning).collect()
+}
+
+/// Whether each name in a text, such as `m` and `s` in `m/s`, is a unit by itself: `mph` is not, though it could be read as `m.p.h`.
+pub fn is_literal(text: &str) -> bool {
+    parse::is_literal(text)
+}
+
 /// The conversion that changes nothing.
 pub fn unchanged() -> Conversion {
     let one = Reading { factor: 1.0, tens: 0, offset: 0.0, dimension: Dimension::default(), cost: 0 };

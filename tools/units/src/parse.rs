@@ -90,6 +90,13 @@ pub(crate) fn readings(text: &str) -> Vec<Reading> {
     if parser.rest.is_empty() { found.unwrap_or_default() } else { Vec::new() }
 }
 
+/// Whether each name of a text is a unit of the table, with or without prefix.
+pub(crate) fn is_literal(text: &str) -> bool {
+    let plain = normalised(text);
+    let mut names = plain.split(|c: char| !(c.is_alphabetic() || c == '%')).filter(|name| !name.is_empty());
+    names.all(|name| unit(name).is_some())
+}
+
 struct Parser<'a> {
     rest: &'a str,
 }

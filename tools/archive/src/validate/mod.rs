@@ -10,6 +10,7 @@ pub mod dynamic;
 mod finding;
 mod layout;
 mod model;
+mod pictures;
 pub mod rules;
 mod schema;
 mod semantics;
@@ -186,6 +187,7 @@ fn check_description(text: &str, archive: &mut Archive, entries: &HashSet<String
     let model = Model::read(xml.file(), version);
     semantics::check(&model, out);
     layout::check(&model, entries, out);
+    pictures::check(archive, entries, out);
     sources::check(&model, entries, out);
     if let Some(bytes) = zip::read(archive, sources::FILE, LARGEST_XML) {
         sources::check_build(&bytes, &model, entries, out);

@@ -77,7 +77,8 @@ pub(crate) struct Breach {
 }
 
 /// Rules that follow from a declaration of the FMU; a section, if any, defines this declaration.
-const BY_DECLARATION: [&str; 4] = ["reference-differs", "unit-contradiction", "derivative-unit", "step-size"];
+const BY_DECLARATION: [&str; 5] =
+    ["reference-differs", "unit-contradiction", "unit-exponents", "derivative-unit", "step-size"];
 const FOR_SAFETY: [&str; 8] = [
     "archive-bomb",
     "entry-duplicate",

@@ -152,8 +152,8 @@ impl RawInstance {
     }
 
     /// The first derivatives (per s) of scalar outputs.
-    pub fn get_output_derivatives(&mut self, vrs: &[u32], out: &mut [f64]) -> Status {
-        let orders = vec![1; vrs.len()];
+    pub fn get_output_derivatives(&mut self, vrs: &[u32], order: i32, out: &mut [f64]) -> Status {
+        let orders = vec![order; vrs.len()];
         let (v, n, k, o) = (vrs.as_ptr(), vrs.len(), orders.as_ptr(), out.as_mut_ptr());
         if n != out.len() {
             return Status::Error;

@@ -4,14 +4,14 @@
 use super::facts::{Entry, Facts, Variable, observed};
 use super::report::{Fault, Seen};
 use super::runs::{self, Drive, ROUNDING, Rows, difference, solver_error, steps};
-use super::session::{Session, Settings, column};
+use super::session::{Session, Settings, column, words};
 use super::solver::{Reached, Solver, indicators};
 use super::subject::{Subject, fresh};
 use crate::validate::finding::{Findings, short};
 use crate::validate::model::FmiVersion;
 use crate::validate::rules::{self, Rule};
 use cosim::raw::InterfaceType::{self, CoSimulation, ModelExchange, ScheduledExecution};
-use cosim::raw::{Experiment, RawBinary, RawSetup, RawState};
+use cosim::raw::{Experiment, RawBinary, RawState};
 use cosim::{Kind, Log, Status};
 use setting::others;
 use std::collections::HashMap;
@@ -76,6 +76,7 @@ pub(super) static ALL: &[Stage] = &[
     stage("a second run, and runs after a reset", moves, repeat::reset),
     stage("saved states", |s| moves(s) && s.interface.can_get_and_set_state, state::run),
     stage("values in another order", moves, setting::order),
+    stage("tunable parameters during the run", setting::can_tune, setting::tunable),
     stage("two instances at a time", |s| moves(s) && is_repeatable(s), repeat::instances),
     stage("many instances, many steps", |s| moves(s) && is_repeatable(s), repeat::memory),
     stage("steps of another size", |s| steps_itself(s) && s.interface.can_handle_variable_step, steps::size),

@@ -57,6 +57,17 @@ impl<'a> Subject<'a> {
         }
     }
 
+    /// A new instance of FMI 3 Co-Simulation with event mode.
+    pub(super) fn with_event_mode(&self) -> Result<Session<'a>, Fault> {
+        let token = &self.facts.token;
+        let interface = InterfaceType::CoSimulation;
+        let setup = RawSetup { interface, token, name: "probe", event_mode: true, intermediate: &[] };
+        match self.binary.instantiate(&setup, &Log::new()) {
+            Some(raw) => Ok(Session { event_mode: true, ..self.session(raw) }),
+            None => Fault::new(&self.interface.place(), rules::refused_with_event_mode()),
+        }
+    }
+
     /// Whether the FMU has clocks and so must use event mode in Co-Simulation.
     fn event_mode(&self) -> bool {
         let has_clocks = || self.facts.variables.iter().any(|v| v.kind == Kind::Clock);

@@ -46,6 +46,9 @@ rules! {
     SET_ORDER "set-order" Error "the order in which values are set does not matter" "2.1.7" "2.2.7.2";
     SET_LOST "set-lost" Error "a value that was set is kept" "2.1.7" "2.2.7.2"
         set_lost(v, set, kept) "Variable {v} was set to {set} and is {kept} afterwards";
+    TUNABLE_REFUSED "tunable-refused" Error "tunable parameters can be set during the run" "2.2.7" "2.4.7.4"
+        tunable_refused(v, status, now, words)
+            "Parameter {v} is tunable, but setting it to its present value at t = {now} s returned {status}{words}";
     GET_CHANGES "get-changes" Error "reading changes nothing" "2.1.7" "2.2.7.2"
         get_changes(v, first, second) "Variable {v} is read as {first} and then as {second}, with only reading calls in between";
     // Behaviour: the same run again.
@@ -75,6 +78,9 @@ rules! {
     OUTPUT_DERIVATIVE "output-derivative" Error "output derivatives equal the time derivatives of the outputs" "4.2.1" "4.1.2"
         output_derivative(v, given, t, measured)
             "The derivative of output {v} is given as {given} from t = {t} s on, but it changes by {measured} per second";
+    OUTPUT_DERIVATIVE_ORDER "output-derivative-order" Error "output derivatives are given up to the declared order" "4.3.1" "4.3.1"
+        output_derivative_order(declared, order, status, words)
+            "maxOutputDerivativeOrder is {declared}, but output derivatives of order {order} are not given (status {status}{words})";
     INPUT_DERIVATIVE "input-derivative" Error "derivatives of inputs have an effect" "4.3.1" ""
         input_derivative(v, effect)
             "A derivative of input {v} has no effect although canInterpolateInputs is true (the input itself moves \"{effect}\")";
@@ -108,6 +114,9 @@ rules! {
     // Behaviour: reference results in extra/org.fmi-standard.fmi-ls-ref.
     REFERENCE_FILE "reference-file" Warning "files with reference results are present and are tables" "" ""
         reference_file(source) "The file \"{source}\" is missing or no table over time";
+    REFERENCE_COLUMN "reference-column" Warning "columns of reference results are variables of the FMU, with a number in each row" "" ""
+        reference_column(name) "The column \"{name}\" of the reference results is no variable of the FMU, so it is not compared"
+        reference_not_finite(v, t) "The reference results have no finite number for variable {v} at t = {t} s, so that row is not compared";
     REFERENCE_DIFFERS "reference-differs" Error "the FMU reproduces the reference results of its archive" "" ""
         reference_differs(v, value, t, wanted) "Variable {v} is {value} at t = {t} s, but {wanted} in the reference results of the archive";
     // Behaviour: what importers must not do.

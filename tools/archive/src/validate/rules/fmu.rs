@@ -133,6 +133,8 @@ rules! {
     UNIT_CONTRADICTION "unit-contradiction" Error "a unit with a common name means what the name says" "" ""
         unit_contradiction(what, factor, offset, wanted_factor, wanted_offset)
             "{what} has the factor {factor} and the offset {offset}, but the name says {wanted_factor} and {wanted_offset}";
+    UNIT_EXPONENTS "unit-exponents" Error "a unit with a common name has the exponents of its name" "" ""
+        unit_exponents(name, exponents, wanted) "The unit \"{name}\" is declared as {exponents}, but its name says {wanted}";
     DISPLAY_UNIT_REPEATED "display-unit-repeated" Error "display units of a unit have unique names" "2.2.2" "2.4.3"
         display_unit_repeated(display_name, name) "The display unit \"{display_name}\" is defined more than once for the unit \"{name}\"";
     DISPLAY_UNIT_INVERSE "display-unit-inverse" Error "inverse display units have no offset" "" "2.4.3"
@@ -321,6 +323,8 @@ rules! {
         no_implementation() "The archive has neither binaries nor sources, so the FMU cannot run";
     SVG_WITHOUT_PNG "svg-without-png" Error "an SVG picture comes with its PNG" "2.3" "2.5.1"
         svg_without_png(svg, png) "The archive has {svg} but not {png}, which it then requires";
+    PICTURE_UNREADABLE "picture-unreadable" Error "pictures have the format of their names" "2.3" "2.5.1"
+        picture_unreadable(reason) "The file cannot be shown as a picture: {reason}";
     DOCUMENTATION_MISSING "documentation-missing" Note "there is documentation" "2.3" "2.5.1.1";
     LICENSE_MISSING "license-missing" Note "there are licences" "2.3" "2.5.1.1.1";
     LICENSE_ENTRY "license-entry" Error "the licence folder has an entry point" "" "2.5.1.1.1";

@@ -1,6 +1,7 @@
 //! Unit definitions, and the units and display units of variables and types.
 
 use super::*;
+use ::units::{Meaning, is_literal, meanings};
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut units: HashMap<&str, HashSet<&str>> = HashMap::new();
@@ -60,27 +61,15 @@ fn check_definition<'a>(
     let base = children(unit, "BaseUnit").next().map(|base| {
         let what = format!("unit \"{}\"", short(name));
         check_factor(model, base, &what, out);
-        let meaning = Meaning::of(base);
-        if let Some(known) = Meaning::known(name).filter(|known| known.dimension == meaning.dimension) {
-            contradiction(model, base, &format!("The {what}"), meaning.linear, known.linear, out);
-        }
-        meaning
+        check_meaning(model, base, name, out);
+        Declared::of(base)
     });
     let mut displays = HashSet::new();
     for display in children(unit, "DisplayUnit") {
         let Some(display_name) = display.attribute("name") else { continue };
         check_factor(model, display, &format!("display unit \"{}\"", short(display_name)), out);
-        let known = Meaning::known(display_name);
-        if let Some((base, known)) = base.zip(known).filter(|(base, known)| base.dimension == known.dimension)
-            && !is_true(display, "inverse")
-        {
-            // unit -> SI -> display unit, each value = (SI value - offset) / factor
-            let ((factor, offset), (known_factor, known_offset)) = (base.linear, known.linear);
-            let wanted = (factor / known_factor, (offset - known_offset) / known_factor);
-            let written =
-                (double(display, "factor").unwrap_or(1.0), double(display, "offset").unwrap_or(0.0));
-            let what = format!("The display unit \"{}\" of \"{}\"", short(display_name), short(name));
-            contradiction(model, display, &what, written, wanted, out);
+        if let Some(base) = base.filter(|_| !is_true(display, "inverse")) {
+            check_display(model, display, name, base, out);
         }
         if is_true(display, "inverse") && double(display, "offset").is_some_and(|o| o != 0.0) {
             out.add(model.place(display), rules::display_unit_inverse(short(display_name)));
@@ -92,37 +81,105 @@ fn check_definition<'a>(
     displays
 }
 
-/// Exponents of kg, m, s, A, K, mol, cd, rad; then factor and offset: SI value = factor * value + offset.
-#[derive(Clone, Copy)]
-struct Meaning {
-    dimension: [i128; 8],
-    linear: (f64, f64),
+/// Unit -> SI -> display unit: each value is (SI value - offset) / factor.
+fn check_display(model: &Model, display: Node, name: &str, base: Declared, out: &mut Findings) {
+    let display_name = display.attribute("name").unwrap_or_default();
+    let written = Declared {
+        factor: double(display, "factor").unwrap_or(1.0),
+        offset: double(display, "offset").unwrap_or(0.0),
+        ..base
+    };
+    let wanted = |known: &Meaning, turns: f64| {
+        (base.factor * turns / known.factor, (base.offset - known.offset) / known.factor)
+    };
+    let known = meanings(display_name);
+    let alike: Vec<(&Meaning, i32)> =
+        known.iter().filter_map(|m| Some((m, base.radians_above(m)?))).collect();
+    let agrees = |(meaning, radians): &(&Meaning, i32)| {
+        [1.0, std::f64::consts::TAU.powi(-radians)].iter().any(|turns| {
+            let (factor, offset) = wanted(meaning, *turns);
+            close(written.factor, factor, 0.0) && close(written.offset, offset, 1.0)
+        })
+    };
+    if let Some((first, _)) = alike.first().filter(|_| !alike.iter().any(agrees)) {
+        let what = format!("The display unit \"{}\" of \"{}\"", short(display_name), short(name));
+        contradiction(model, display, &what, (written.factor, written.offset), wanted(first, 1.0), out);
+    }
 }
 
-/// Units whose name has one meaning, with dimension, factor and offset. The degree Celsius is that of temperatures: FMI marks
-/// differences by relativeQuantity.
-const KNOWN: [(&[&str], [i128; 8], f64, f64); 7] = [
-    (&["K"], [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 0.0),
-    (&["degC", "°C"], [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 273.15),
-    (&["degF", "°F"], [0, 0, 0, 0, 1, 0, 0, 0], 5.0 / 9.0, 459.67 * 5.0 / 9.0),
-    (&["rad"], [0, 0, 0, 0, 0, 0, 0, 1], 1.0, 0.0),
-    (&["deg", "°"], [0, 0, 0, 0, 0, 0, 0, 1], std::f64::consts::PI / 180.0, 0.0),
-    (&["Pa"], [1, -1, -2, 0, 0, 0, 0, 0], 1.0, 0.0),
-    (&["bar"], [1, -1, -2, 0, 0, 0, 0, 0], 1e5, 0.0),
-];
+/// A base unit as it is declared: SI value = factor * value + offset.
+#[derive(Clone, Copy)]
+struct Declared {
+    /// Exponents of kg, m, s, A, K, mol, cd, rad.
+    exponents: [i128; 8],
+    factor: f64,
+    offset: f64,
+}
 
-impl Meaning {
+/// Names that are also in use for something that is no unit of the crate `units`: the acidity, the degree Celsius, the acceleration of gravity,
+/// the tonne, pressure, radius, voltage, diameter, height.
+const OTHER_MEANINGS: [&str; 9] = ["pH", "C", "g", "T", "p", "r", "U", "d", "h"];
+
+impl Declared {
     fn of(base: Node) -> Self {
         let exponent = |name: &str| base.attribute(name).and_then(parse_integer).unwrap_or(0);
         let number = |name, default| double(base, name).unwrap_or(default);
-        let dimension = cosim::BaseUnit::NAMES.map(exponent);
-        Self { dimension, linear: (number("factor", 1.0), number("offset", 0.0)) }
+        let exponents = cosim::BaseUnit::NAMES.map(exponent);
+        Declared { exponents, factor: number("factor", 1.0), offset: number("offset", 0.0) }
     }
 
-    fn known(name: &str) -> Option<Self> {
-        let (_, dimension, factor, offset) = KNOWN.iter().find(|(names, ..)| names.contains(&name))?;
-        Some(Self { dimension: *dimension, linear: (*factor, *offset) })
+    /// By how many the exponent of the radian is above that of a name, if all others are those of the name.
+    fn radians_above(&self, meaning: &Meaning) -> Option<i32> {
+        let [kg, m, s, a, k, rad] = meaning.exponents.map(i128::from);
+        let without_angle = [kg, m, s, a, k, 0, 0];
+        (self.exponents[..7] == without_angle).then(|| i32::try_from(self.exponents[7] - rad).ok()).flatten()
     }
+
+    /// Whether this is what the name means. The radian may be left out; then a turn may count as 1 or as 2 pi.
+    fn is(&self, meaning: &Meaning, radians: i32) -> bool {
+        let turns = std::f64::consts::TAU.powi(radians);
+        // A number without dimension need not be converted.
+        let plain = self.exponents == [0; 8] && self.factor == 1.0;
+        let factors = [meaning.factor, meaning.factor * turns];
+        (plain || factors.iter().any(|factor| close(self.factor, *factor, 0.0)))
+            && close(self.offset, meaning.offset, 1.0)
+    }
+}
+
+/// Rounded numbers are equal; the offset of a temperature to 1 mK.
+fn close(a: f64, b: f64, least: f64) -> bool {
+    (a - b).abs() <= 1e-3 * b.abs().max(least)
+}
+
+/// Exponents, factor and offset of a unit are those of its name, if the name is a known one.
+fn check_meaning(model: &Model, base: Node, name: &str, out: &mut Findings) {
+    let declared = Declared::of(base);
+    let known = meanings(name);
+    let alike: Vec<(Meaning, i32)> =
+        known.iter().filter_map(|m| Some((*m, declared.radians_above(m)?))).collect();
+    if let Some((wanted, _)) = alike.first() {
+        if !alike.iter().any(|(meaning, radians)| declared.is(meaning, *radians)) {
+            let what = format!("The unit \"{}\"", short(name));
+            let written = (declared.factor, declared.offset);
+            contradiction(model, base, &what, written, (wanted.factor, wanted.offset), out);
+        }
+    } else if let Some(wanted) = known.first()
+        && is_literal(name)
+        && !OTHER_MEANINGS.contains(&name)
+    {
+        let [kg, m, s, a, k, rad] = wanted.exponents.map(i128::from);
+        let (is, named) = (product(&declared.exponents), product(&[kg, m, s, a, k, 0, 0, rad]));
+        out.add(model.place(base), rules::unit_exponents(short(name), is, named));
+    }
+}
+
+/// `kg.m2.s-2`.
+fn product(exponents: &[i128; 8]) -> String {
+    let named = cosim::BaseUnit::NAMES.iter().zip(exponents).filter(|(_, exponent)| **exponent != 0);
+    let all: Vec<String> = named
+        .map(|(name, exponent)| if *exponent == 1 { (*name).to_owned() } else { format!("{name}{exponent}") })
+        .collect();
+    if all.is_empty() { "1".to_owned() } else { all.join(".") }
 }
 
 /// Factor and offset as written must be those of the name; the offset of a temperature may be rounded.
@@ -134,7 +191,6 @@ fn contradiction(
     (wanted_factor, wanted_offset): (f64, f64),
     out: &mut Findings,
 ) {
-    let close = |a: f64, b: f64, least: f64| (a - b).abs() <= 1e-3 * b.abs().max(least);
     // What is no number has been reported.
     let is_number = factor != 0.0 && factor.is_finite() && offset.is_finite();
     if is_number && !(close(factor, wanted_factor, 0.0) && close(offset, wanted_offset, 1.0)) {

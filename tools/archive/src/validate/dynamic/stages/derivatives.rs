@@ -12,6 +12,8 @@ const PARTS: usize = 200;
 const FINER: usize = 32;
 /// Steps over which derivatives are averaged, so that oscillations cancel.
 const WINDOW: usize = 4;
+/// Orders of output derivatives that are tried.
+const HIGHEST: i32 = 10;
 
 /// A variable and its derivative from the FMU at equidistant times.
 #[derive(Clone, Default)]
@@ -146,13 +148,28 @@ pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     }
     let read = |session: &mut Session| {
         let mut given = vec![0.0; references.len()];
-        session.call("GetOutputDerivatives", |raw| raw.get_output_derivatives(&references, &mut given))?;
+        session.call("GetOutputDerivatives", |raw| raw.get_output_derivatives(&references, 1, &mut given))?;
         Ok(given)
     };
     follow(subject, &outputs, false, read, |i, t, given, measured| {
         let v = outputs[i];
         seen.add(&v.place, rules::output_derivative(v, given, t, measured));
-    })
+    })?;
+    // Higher orders are given, too, as far as they are declared.
+    let (mut session, mut drive) = begin(subject, &looks(subject)[0])?;
+    drive.advance(&mut session, subject.facts.step())?;
+    let declared = subject.interface.max_output_derivative_order;
+    for order in 2..=i32::try_from(declared).unwrap_or(i32::MAX).min(HIGHEST) {
+        let mut given = vec![f64::NAN; references.len()];
+        let status = session.raw.get_output_derivatives(&references, order, &mut given);
+        if status > Status::Warning || given.iter().any(|d| !d.is_finite()) {
+            let what = words(session.raw.log());
+            let breach = rules::output_derivative_order(declared, order, status, what);
+            seen.add(&subject.interface.place(), breach);
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// Compares values with the derivatives that `read` gives, for each step size; from the start, or from the end of the first

@@ -101,19 +101,8 @@ fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
 
 /// FMI 3 Co-Simulation with event mode.
 pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> {
-    let log = Log::new();
-    let setup = RawSetup {
-        interface: InterfaceType::CoSimulation,
-        token: &subject.facts.token,
-        name: "probe",
-        event_mode: true,
-        intermediate: &[],
-    };
-    let Some(raw) = subject.binary.instantiate(&setup, &log) else {
-        return Fault::new(&subject.interface.place(), rules::refused_with_event_mode());
-    };
     let facts = subject.facts;
-    let mut session = Session { event_mode: true, ..subject.session(raw) };
+    let mut session = subject.with_event_mode()?;
     session.start(&Vec::new())?;
     for k in 1..=runs::steps(facts) {
         let end = session.now + facts.step();

@@ -132,6 +132,19 @@ fn compare(
         })
         .collect();
     let variables: Vec<&Variable> = columns.iter().map(|(_, v)| *v).collect();
+    // The element `a[1]` is one of the variable `a`.
+    let is_known = |name: &str| {
+        let base = name.split_once('[').map_or(name, |(base, _)| base);
+        facts.variables.iter().any(|v| v.name == name || v.name == base)
+    };
+    if let Some(name) = table.names.iter().find(|name| !is_known(name)) {
+        seen.add(place, rules::reference_column(short(name)));
+    }
+    for (column, v) in &columns {
+        if let Some(row) = table.rows.iter().find(|row| !row[*column].is_finite()) {
+            seen.add(place, rules::reference_not_finite(v, row[0]));
+        }
+    }
     let range = |column: usize| {
         let values = || table.rows.iter().map(|r| r[column]).filter(|x| x.is_finite());
         let (low, high) =

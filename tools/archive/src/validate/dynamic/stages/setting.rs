@@ -85,6 +85,41 @@ pub(super) fn order(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     reading(subject, &base.settings, seen)
 }
 
+/// Whether there is a state in which tunable parameters may be set during the run: between steps in FMI 2, in event mode else.
+pub(super) fn can_tune(subject: &Subject) -> bool {
+    let interface = subject.interface;
+    interface.kind == ModelExchange
+        || interface.kind == CoSimulation
+            && (subject.facts.version == FmiVersion::V2 || interface.has_event_mode && is_repeatable(subject))
+}
+
+/// A tunable parameter takes its own value during the run.
+pub(super) fn tunable(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let all = facts.select(|v| v.is_free() && v.is("parameter") && v.variability == "tunable");
+    if all.is_empty() {
+        return Ok(());
+    }
+    let with_events = subject.interface.kind == CoSimulation && facts.version == FmiVersion::V3;
+    let mut session = if with_events { subject.with_event_mode()? } else { subject.instance("probe")? };
+    session.start(&Vec::new())?;
+    let mut drive = Drive::new(&mut session)?;
+    drive.advance(&mut session, facts.step())?;
+    if subject.interface.kind == ModelExchange || with_events {
+        session.call("EnterEventMode", |raw| raw.enter_event_mode())?;
+    }
+    for v in all {
+        let present = session.get(v)?;
+        let status = session.raw.set(v.kind, &[v.reference], &present);
+        if status > Status::Warning {
+            let words = words(session.raw.log());
+            seen.add(&v.place, rules::tunable_refused(v, status, session.now, words));
+            break;
+        }
+    }
+    Ok(())
+}
+
 /// All free variables at other values than their start values, as far as the FMU accepts them.
 pub(super) fn others<'a>(subject: &Subject<'a>, free: &[&'a Variable]) -> Settings<'a> {
     let moved = |test: &dyn Fn(&Variable) -> bool| -> Settings<'a> {
