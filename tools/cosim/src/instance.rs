@@ -124,15 +124,8 @@ impl Instance {
             let words = because(&log.since(mark));
             return Err(archive.unsupported(format!("refused to be instantiated as {name}{words}")));
         };
-        // Reasons of refused calls without debug messages, which may be slow.
-        let reasons: Vec<&str> = description
-            .log_categories
-            .iter()
-            .map(String::as_str)
-            .filter(|category| category.starts_with("logStatus"))
-            .collect();
-        if !log.debug() && !reasons.is_empty() {
-            raw.enable_categories(&reasons);
+        if !log.debug() {
+            raw.enable_reasons(&description.log_categories);
         }
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Ok(Self {

@@ -183,9 +183,13 @@ pub fn unsigned_list(text: &str) -> Vec<u32> {
 
 /// A text of the file for a message, shortened so that the message stays one readable line.
 pub fn short(text: &str) -> String {
-    const MOST: usize = 80;
-    let mut out: String = text.chars().take(MOST).flat_map(char::escape_debug).collect();
-    if text.chars().nth(MOST).is_some() {
+    shortened(text, 80)
+}
+
+/// A text for a message, with at most so many characters.
+pub fn shortened(text: &str, most: usize) -> String {
+    let mut out: String = text.chars().take(most).flat_map(char::escape_debug).collect();
+    if text.chars().nth(most).is_some() {
         out.push_str("...");
     }
     out

@@ -48,10 +48,14 @@ const ROUNDING: f64 = 1e-9;
 /// Ratios of derivatives that agree within this are equal.
 const SAME_RATIO: f64 = 1e-6;
 
+/// Limits of validity end a run in every mode, and have no effect before.
+const LIMITS: &str = "validity.";
+
 /// The variables among `candidates` that have no effect on the model with the values set on it, which has not started.
 pub fn unused(model: &dyn Model, candidates: &[&'static Entry], scope: Scope) -> Vec<Unused> {
     let points = Points::of(model, scope);
-    let ineffective = candidates.iter().filter(|entry| !points.moved_by(entry));
+    let is_limit = |entry: &Entry| entry.name.starts_with(LIMITS);
+    let ineffective = candidates.iter().filter(|entry| !is_limit(entry) && !points.moved_by(entry));
     let found: Vec<&'static Entry> = ineffective.copied().collect();
     let mut other_modes = None;
     found
@@ -369,6 +373,15 @@ mod tests {
         );
         let used = motor("maxon-305015", &[]);
         assert!(unused(used.as_ref(), &[entry], Scope::Steady).is_empty());
+    }
+
+    #[test]
+    fn a_limit_that_ends_a_run_is_not_without_effect() {
+        let limits =
+            ["validity.winding_temperature", "validity.magnet_temperature", "validity.lowest_temperature"];
+        for scope in [Scope::Transient, Scope::Steady] {
+            assert!(names(motor("maxon-305015", &[CURRENT]).as_ref(), &limits, scope).is_empty());
+        }
     }
 
     /// Capacities, inductance and inertia decide how fast a steady state is reached, and not where it lies.

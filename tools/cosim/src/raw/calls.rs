@@ -51,6 +51,16 @@ pub struct RawStep {
 }
 
 impl RawInstance {
+    /// Requests the reasons of refused calls, without debug messages, which may be slow; `categories` are those of the model
+    /// description.
+    pub fn enable_reasons(&mut self, categories: &[String]) {
+        let reasons: Vec<&str> =
+            categories.iter().map(String::as_str).filter(|name| name.starts_with("logStatus")).collect();
+        if !reasons.is_empty() {
+            self.enable_categories(&reasons);
+        }
+    }
+
     /// Enables log categories, by their names in the model description; OK without that function.
     pub fn enable_categories(&mut self, categories: &[&str]) -> Status {
         let names: Vec<_> = categories.iter().map(|name| c_string(name)).collect();

@@ -9,6 +9,7 @@ use super::report::Fault;
 use crate::validate::finding::short;
 use crate::validate::rules;
 use cosim::Interface;
+use cosim::xml::shortened;
 
 /// Limit of event iterations.
 const MOST_ITERATIONS: usize = 1000;
@@ -16,12 +17,23 @@ const MOST_ITERATIONS: usize = 1000;
 /// Values that differ from the start values.
 pub(super) type Settings<'a> = Vec<(&'a Variable, Vec<f64>)>;
 
+/// Length up to which a message of the FMU is repeated, in characters.
+const LONGEST_MESSAGE: usize = 300;
+
+/// The last messages of the FMU, without the name of the function that many FMUs put first.
 pub(super) fn words(log: &Log) -> String {
-    let text = log.messages().iter().rev().take(2).map(|m| m.text.trim().to_owned()).collect::<Vec<_>>();
+    let messages = log.messages();
+    let texts = messages.iter().rev().take(2).map(|m| {
+        let text = m.text.trim();
+        text.split_once(": ")
+            .filter(|(call, _)| call.starts_with("fmi") && !call.contains(' '))
+            .map_or(text, |(_, rest)| rest)
+    });
+    let text = texts.collect::<Vec<_>>().join("; ");
     if text.is_empty() {
-        String::new()
+        text
     } else {
-        format!(": {}", short(text.join("; ").trim_end_matches('.')))
+        format!(": {}", shortened(text.trim_end_matches('.'), LONGEST_MESSAGE))
     }
 }
 

@@ -6,7 +6,9 @@ const PRECISION: f64 = 1e-6;
 
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     versions(subject, seen);
-    let mut session = subject.started(&Vec::new())?;
+    let mut session = subject.instance("probe")?;
+    session.raw.enable_reasons(&subject.facts.categories);
+    session.start(&Vec::new())?;
     outputs(&mut session, "after initialisation", seen)?;
     if subject.interface.kind == InterfaceType::ScheduledExecution {
         for clock in subject.facts.select(|v| v.kind == Kind::Clock && v.is("input")) {

@@ -102,6 +102,7 @@ pub(super) fn tunable(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     }
     let with_events = subject.interface.kind == CoSimulation && facts.version == FmiVersion::V3;
     let mut session = if with_events { subject.with_event_mode()? } else { subject.instance("probe")? };
+    session.raw.enable_reasons(&facts.categories);
     session.start(&Vec::new())?;
     let mut drive = Drive::new(&mut session)?;
     drive.advance(&mut session, facts.step())?;
