@@ -155,7 +155,11 @@ pub const CASES: &[Case] = &[
             fmu.remove("sources/buildDescription.xml");
         })
     }),
-    ("svg-without-png", || with("terminalsAndIcons/icon.svg")),
+    ("svg-without-png", || {
+        changed(Fmi2, |fmu| fmu.add("terminalsAndIcons/icon.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>"))
+    }),
+    ("picture-unreadable", || with("model.png")),
+    ("picture-unreadable", || with("documentation/diagram.png")),
     ("documentation-missing", || changed(Fmi2, |fmu| fmu.remove("documentation/index.html"))),
     ("license-missing", || changed(Fmi3, |fmu| fmu.remove("documentation/licenses/license.txt"))),
     ("license-entry", || {

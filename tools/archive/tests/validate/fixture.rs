@@ -33,7 +33,7 @@ impl Fmu {
         if base != Base::Clocks {
             fmu.add("terminalsAndIcons/terminalsAndIcons.xml", TERMINALS);
         }
-        fmu.add("terminalsAndIcons/port.png", "png");
+        fmu.add("terminalsAndIcons/port.png", include_bytes!("../../assets/icon.png"));
         fmu.add("documentation/index.html", "<html/>");
         fmu.add("documentation/licenses/license.txt", "MIT");
         fmu
