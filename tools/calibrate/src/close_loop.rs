@@ -9,13 +9,13 @@
 
 mod judgement;
 mod refine;
+mod repeated;
 mod stepwise;
 #[cfg(test)]
 mod tests;
 
 use crate::CalibrateError;
 use crate::acting::acting;
-use crate::deadline::Deadline;
 use crate::estimates;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
@@ -32,6 +32,7 @@ use crate::undeclared::better_than_effects;
 use judgement::BOXES;
 pub use judgement::Judgement;
 use physics::terms::Port;
+use repeated::{rest, unless_unusable};
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -79,37 +80,8 @@ pub fn run(
     progress: &dyn Fn(f64, &str),
 ) -> Result<Outcome, Refusal> {
     let begun = Instant::now();
-    progress(0.0, "fitting the declared parameters");
-    let deadline = options.budget.map_or_else(Deadline::default, Deadline::after);
-    let means = experiment.of_means();
-    let setup = Setup::of_means(experiment, means.as_ref(), preset)?.until(deadline.clone());
-    let outcome = closed(&setup, options, begun, progress)?;
-    // With the effects that were found, the values of the preset may be right: the parameters stood in for the effects.
-    let setup = setup.without(&outcome.stood_in());
-    let time = rest(options, begun, 1.0);
-    let outcome = if setup.kept.is_empty() || time.is_near() {
-        outcome
-    } else {
-        progress(0.5, "values of the preset are right beside what was found; looking again");
-        let again = unless_unusable(closed(&setup.until(time), options, begun, progress))?;
-        again.filter(|again| !again.is_cut).unwrap_or(outcome)
-    };
-    progress(1.0, outcome.verdict.name());
+    let outcome = repeated::searched(experiment, preset, options, progress)?;
     Ok(Outcome { seconds: begun.elapsed().as_secs_f64(), ..outcome })
-}
-
-/// Deadline after a part of what is left of the time budget.
-fn rest(options: Options, begun: Instant, part: f64) -> Deadline {
-    let rest = options.budget.map(|budget| budget.saturating_sub(begun.elapsed()).mul_f64(part));
-    rest.map_or_else(Deadline::default, Deadline::after)
-}
-
-/// The outcome of a second search, or none if it fails; unusable data are an answer.
-fn unless_unusable(searched: Result<Outcome, Refusal>) -> Result<Option<Outcome>, Refusal> {
-    match searched {
-        Err(Refusal::Input(_)) => Ok(None),
-        searched => searched.map(Some),
-    }
 }
 
 /// The search, or two if the runs disagree.

@@ -229,6 +229,7 @@ pub fn outcome(
         endings,
         boxes,
         is_cut: false,
+        left_out: None,
         seconds: 0.0,
     })
 }

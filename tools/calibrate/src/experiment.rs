@@ -217,6 +217,14 @@ impl Experiment {
         self.inputs.len() + output
     }
 
+    /// The experiment without the runs of a file.
+    pub fn without(&self, file: &str) -> Experiment {
+        let mut other = self.clone();
+        other.runs.retain(|run| run.file != file);
+        other.odd_file = other.odd_file.filter(|odd| odd.name != file);
+        other
+    }
+
     /// The outputs that are temperatures.
     pub fn thermometers(&self) -> Vec<usize> {
         (0..self.outputs.len()).filter(|k| self.outputs[*k].is_temperature()).collect()

@@ -24,7 +24,9 @@ mod first_rows;
 mod gaps;
 mod misplaced;
 mod odd_file;
+mod one_gain;
 mod pulses;
+mod repeats;
 mod response;
 mod saturated;
 mod signals;
@@ -99,6 +101,7 @@ pub fn check(
 
 /// All checks except that of the clocks, and of values: whether the data agree with the model.
 fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<bool, Refusal> {
+    repeats::set_aside(experiment);
     clipped::outputs(experiment);
     enough(experiment)?;
     let unusable = outside_limits(experiment)
@@ -142,7 +145,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     let asked = experiment.clone();
     let deviations = || deviations(&asked, preset, &predicted, deadline);
     response::set_aside(experiment, &predicted, (&fitted, &is_sure), deviations);
-    let unusable = dead_input::found(experiment, &predicted)
+    let unusable = dead_input::found(experiment, preset, &predicted, deadline)
         .or_else(|| nothing_left(experiment))
         .or_else(|| start::of_single_sensor(experiment));
     if let Some(unusable) = unusable {

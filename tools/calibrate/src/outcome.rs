@@ -353,6 +353,8 @@ pub struct Outcome {
     pub endings: Vec<String>,
     /// Whether the time budget ended the search.
     pub is_cut: bool,
+    /// The file that was left out, because it disagrees with the others and no effect describes it.
+    pub left_out: Option<String>,
     /// Black-box models for comparison.
     pub boxes: Vec<BlackBox>,
     /// Wall time, s.

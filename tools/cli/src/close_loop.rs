@@ -119,6 +119,11 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
             return unusable(args, &experiment, why, &made_of, begun.elapsed().as_secs_f64());
         }
     };
+    // The file that was left out is no part of what is replayed and shown.
+    let [experiment, read] = match &outcome.left_out {
+        Some(file) => [experiment.without(file), read.without(file)],
+        None => [experiment, read],
+    };
     bar.set("export", SEARCH);
     let exported = export::export(&experiment, &outcome, &made_of, &args.out)?;
     bar.set("replay", 0.95);

@@ -181,9 +181,10 @@ pub fn meanings(name: &str) -> Vec<Meaning> {
     whole.map(meaning).collect()
 }
 
-/// Whether each name in a text, such as `m` and `s` in `m/s`, is a unit by itself: `mph` is not, though it could be read as `m.p.h`.
-pub fn is_literal(text: &str) -> bool {
-    parse::is_literal(text)
+/// The names of units in a text, such as `m` and `s` in `m/s`, and whether each is a unit by itself: `mph` is none, though it could be read
+/// as `m.p.h`.
+pub fn names(text: &str) -> Vec<(String, bool)> {
+    parse::names(text)
 }
 
 /// The conversion that changes nothing.

@@ -90,11 +90,11 @@ pub(crate) fn readings(text: &str) -> Vec<Reading> {
     if parser.rest.is_empty() { found.unwrap_or_default() } else { Vec::new() }
 }
 
-/// Whether each name of a text is a unit of the table, with or without prefix.
-pub(crate) fn is_literal(text: &str) -> bool {
+/// The names in a text, and whether each is a unit of the table, with or without prefix.
+pub(crate) fn names(text: &str) -> Vec<(String, bool)> {
     let plain = normalised(text);
-    let mut names = plain.split(|c: char| !(c.is_alphabetic() || c == '%')).filter(|name| !name.is_empty());
-    names.all(|name| unit(name).is_some())
+    let names = plain.split(|c: char| !(c.is_alphabetic() || c == '%')).filter(|name| !name.is_empty());
+    names.map(|name| (name.to_owned(), unit(name).is_some())).collect()
 }
 
 struct Parser<'a> {

@@ -47,7 +47,7 @@ mod time;
 mod unmeasured;
 pub mod wrapped;
 
-use super::{Predicted, Unusable};
+use super::{Predicted, Unusable, one_gain};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Run, Start};
@@ -347,6 +347,7 @@ fn mistaken(
             && let as_meant = fitted(whole, &found.data)?
             && let cost = as_meant.whole()
             && is_of_one_motor(whole, as_is, as_meant, &found, runs)
+            && !is_of_another_channel(whole, experiment, runs, &found)?
         {
             let Some((least, _)) = everywhere else { return Ok(Some(found.why)) };
             if cost + LEAST < least {
@@ -359,6 +360,19 @@ fn mistaken(
         }
     }
     Ok(everywhere.map(|(_, found)| found.why))
+}
+
+/// Whether one gain or offset of another channel makes a file agree with the motor of the others: a unit that is nearly that gain, of a channel
+/// that follows from it, is not the mistake.
+fn is_of_another_channel(
+    whole: &Judge,
+    experiment: &Experiment,
+    runs: &[usize],
+    found: &Found,
+) -> Result<bool, CalibrateError> {
+    let change = one_gain::likely(experiment, whole.preset, runs, &whole.deadline)?;
+    let touched = found.why.mistake.as_ref().map_or(Vec::new(), |mistake| mistake.touches());
+    Ok(change.is_some_and(|change| !touched.contains(&change.column)))
 }
 
 /// Whether the runs agree better with one motor if those of a file are as they are meant: a file by itself agrees with a motor of its own as

@@ -9,21 +9,28 @@
 //! predicted, and spoils the fit, but with two runs the fit agrees again; the changes of e due to an effect that the model lacks are as
 //! great as before.
 //!
+//! A pause that is not in the times is a gap too: all thermometers jump from one row to the next, by more than the bound on the noise of
+//! `signals.rs`.
+//!
 //! A test run is simulated across: what is predicted there may not start at its own readings.
 //!
 //! *Source*: detection of abrupt changes in a residual: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
 
 use super::response::ENOUGH;
-use super::signals::{NEAR, SENSOR_ERROR};
+use super::signals::{NEAR, SENSOR_ERROR, bound};
 use super::{Predicted, all_runs, consistency, counted, deviation, median, predicted_by, range, sorted};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Start};
 use crate::levels::{FACTOR, STRUCTURE};
+use crate::noise;
 
 /// Quantile of the changes of a deviation that are usual. Derivation: 95 % are as sure as any statement here; the changes of the load, at which
 /// an error of the model shows, are more than the rest.
 const USUAL: f64 = 0.95;
+
+/// Readings on either side of a pause that are compared. Numerical: in three rows a temperature hardly moves.
+const BESIDE: usize = 3;
 
 /// A gap to end a run at.
 #[derive(Clone, Copy)]
@@ -60,10 +67,18 @@ pub(super) fn split(
         let (file, column) = (&experiment.runs[found.run].file, experiment.outputs[found.output].column);
         let kelvin = converted((10.0 * found.change).round() / 10.0);
         let gap = format!("no rows from {from} s to {to} s");
-        let note = format!(
-            "{file}: {gap}; {column} changes by {kelvin} K more across them than the model predicts, as if the load had changed in between; \
-             {what}"
-        );
+        let is_gap = experiment.runs[found.run].table.gaps().any(|row| row == found.row);
+        let note = if is_gap {
+            format!(
+                "{file}: {gap}; {column} changes by {kelvin} K more across them than the model predicts, as if the load had changed in between; \
+                 {what}"
+            )
+        } else {
+            format!(
+                "{file}: all temperatures jump between the rows at {from} s and {to} s, {column} by {kelvin} K, as if the logger had paused \
+                 although its times go on; {what}"
+            )
+        };
         apart.notes.retain(|other| !(other.contains(file.as_str()) && other.contains(&gap)));
         apart.notes.push(note);
         (*experiment, predicted) = (apart, shown);
@@ -106,7 +121,8 @@ fn greatest(experiment: &Experiment, predicted: &Predicted) -> Option<Break> {
     let nodes: Vec<usize> = (0..experiment.outputs.len()).filter(is_node).collect();
     let all = runs.flat_map(|run| {
         let own = &experiment.runs[run];
-        let gaps = own.table.gaps().map(|row| (row, (own.table.time[row], own.table.time[row + 1])));
+        let rows = own.table.gaps().chain(pauses(experiment, predicted, &nodes, run));
+        let gaps = rows.map(|row| (row, (own.table.time[row], own.table.time[row + 1])));
         let gaps: Vec<_> = gaps.filter(|(row, _)| *row + 1 < own.table.time.len()).collect();
         let of = |output: &usize| {
             let off = deviation(experiment, &predicted[run], *output, run);
@@ -121,6 +137,27 @@ fn greatest(experiment: &Experiment, predicted: &Predicted) -> Option<Break> {
         nodes.iter().flat_map(of).collect::<Vec<_>>()
     });
     all.max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
+}
+
+/// The row after which a logger paused although its times go on: all thermometers jump together, as none of them can by itself. (One
+/// thermometer alone may have moved.)
+fn pauses(experiment: &Experiment, predicted: &Predicted, nodes: &[usize], run: usize) -> Option<usize> {
+    let time = &experiment.runs[run].table.time;
+    let read: Vec<Vec<f64>> = nodes.iter().map(|k| deviation(experiment, &predicted[run], *k, run)).collect();
+    let read: Vec<(Vec<f64>, f64)> =
+        read.into_iter().filter_map(|off| noise::of_column(time, &off).map(|sigma| (off, sigma))).collect();
+    let least = bound(experiment);
+    // In standard deviations of the difference of two means.
+    let jump = |row: usize, (off, sigma): &(Vec<f64>, f64)| {
+        let mean =
+            |rows: std::ops::Range<usize>| rows.clone().map(|k| off[k]).sum::<f64>() / rows.len() as f64;
+        let change = mean(row + 1..row + 1 + BESIDE) - mean(row + 1 - BESIDE..row + 1);
+        change.abs() / (sigma * (2.0 / BESIDE as f64).sqrt())
+    };
+    let of = |row: usize| read.iter().map(|one| jump(row, one)).fold(f64::INFINITY, f64::min);
+    let rows = (BESIDE..time.len().saturating_sub(BESIDE + 1)).map(|row| (row, of(row)));
+    let greatest = rows.filter(|(_, z)| z.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
+    greatest.filter(|(_, z)| read.len() > 1 && *z > least).map(|(row, _)| row)
 }
 
 /// What is usual of the changes of a deviation within some seconds, in all runs.

@@ -10,7 +10,7 @@
 //! *Source*: leave-one-out deletion diagnostics, Cook, Technometrics 19 (1977) 15-18.
 
 use super::consistency::{ROWS, files, thinned};
-use super::{Unusable, clocks};
+use super::{Unusable, clocks, one_gain};
 use crate::CalibrateError;
 use crate::comparison::digits;
 use crate::deadline::Deadline;
@@ -36,10 +36,13 @@ pub fn check(
     let unusable = clocks::in_runs(experiment, &runs, preset, deadline)?;
     if unusable.is_none() && experiment.notes.len() == known {
         let name = experiment.runs[runs[0]].file.clone();
+        let cause = match one_gain::likely(&thinned(experiment, ROWS), preset, &runs, deadline)? {
+            Some(change) => format!("it agrees with them if {}", change.words),
+            None => "either it shows what the others do not, or one of its channels is wrong, or it is of another motor".to_string(),
+        };
         let note = format!(
             "{name} disagrees with the other runs: without it the declared parameters alone describe the fit and validation runs, with a residual \
-             beyond the noise that is {} times smaller than without any other run; either it shows what the others do not, or one of its \
-             channels is wrong, or it is of another motor",
+             beyond the noise that is {} times smaller than without any other run; {cause}",
             digits(ratio)
         );
         experiment.notes.push(note.clone());

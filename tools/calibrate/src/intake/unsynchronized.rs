@@ -47,9 +47,6 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
     if fast.is_empty() {
         return;
     }
-    for run in 0..experiment.runs.len() {
-        fast.iter().for_each(|output| without_repeats(experiment, run, *output));
-    }
     let predicted: Predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
     for output in fast {
         let (column, channel) = (experiment.place_of(output), experiment.outputs[output].column);
@@ -76,24 +73,6 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
             ));
         }
     }
-}
-
-/// Sets aside readings that a slower instrument repeats: each is of the time of its first row.
-fn without_repeats(experiment: &mut Experiment, run: usize, output: usize) {
-    let (place, channel) = (experiment.place_of(output), experiment.outputs[output].column);
-    let own = &mut experiment.runs[run];
-    let column = &mut own.table.columns[place];
-    let known: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
-    let values: Vec<f64> = known.iter().map(|row| column[*row]).collect();
-    let Some(held) = noise::held(&values) else { return };
-    known.iter().zip(held).filter(|(_, held)| *held).for_each(|(row, _)| column[*row] = f64::NAN);
-    let new = column.iter().filter(|x| x.is_finite()).count();
-    experiment.notes.push(format!(
-        "{}: {channel} has a new reading in {} of {} only; the repeated ones are set aside",
-        own.file,
-        count_of(new, "row"),
-        known.len()
-    ));
 }
 
 /// Rows whose readings belong to other times, and the greatest distance before and after a row from which they are, s.

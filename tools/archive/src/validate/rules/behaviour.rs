@@ -47,8 +47,8 @@ rules! {
     SET_LOST "set-lost" Error "a value that was set is kept" "2.1.7" "2.2.7.2"
         set_lost(v, set, kept) "Variable {v} was set to {set} and is {kept} afterwards";
     TUNABLE_REFUSED "tunable-refused" Error "tunable parameters can be set during the run" "2.2.7" "2.4.7.4"
-        tunable_refused(v, status, now, words)
-            "Parameter {v} is tunable, but setting it to its present value at t = {now} s returned {status}{words}";
+        tunable_refused(v, value, status, now, words)
+            "Parameter {v} is tunable, but setting it to {value} at t = {now} s returned {status}{words}";
     GET_CHANGES "get-changes" Error "reading changes nothing" "2.1.7" "2.2.7.2"
         get_changes(v, first, second) "Variable {v} is read as {first} and then as {second}, with only reading calls in between";
     // Behaviour: the same run again.
@@ -116,6 +116,7 @@ rules! {
         reference_file(source) "The file \"{source}\" is missing or no table over time";
     REFERENCE_COLUMN "reference-column" Warning "columns of reference results are variables of the FMU, with a number in each row" "" ""
         reference_column(name) "The column \"{name}\" of the reference results is no variable of the FMU, so it is not compared"
+        reference_input_not_finite() "The inputs of the reference results have rows without a finite number, so the results are not compared"
         reference_not_finite(v, t) "The reference results have no finite number for variable {v} at t = {t} s, so that row is not compared";
     REFERENCE_DIFFERS "reference-differs" Error "the FMU reproduces the reference results of its archive" "" ""
         reference_differs(v, value, t, wanted) "Variable {v} is {value} at t = {t} s, but {wanted} in the reference results of the archive";

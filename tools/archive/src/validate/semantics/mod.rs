@@ -10,6 +10,7 @@ mod interfaces;
 pub(super) mod names;
 mod structure;
 mod types;
+mod unit_meaning;
 mod units;
 mod values;
 mod variables;

@@ -148,7 +148,8 @@ pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     }
     let read = |session: &mut Session| {
         let mut given = vec![0.0; references.len()];
-        session.call("GetOutputDerivatives", |raw| raw.get_output_derivatives(&references, 1, &mut given))?;
+        let name = session.facts.pick("GetRealOutputDerivatives", "GetOutputDerivatives");
+        session.call(name, |raw| raw.get_output_derivatives(&references, 1, &mut given))?;
         Ok(given)
     };
     follow(subject, &outputs, false, read, |i, t, given, measured| {

@@ -29,7 +29,7 @@ impl Table {
     /// `None` unless the file is a header and rows with ascending time.
     fn read(path: &Path) -> Option<Table> {
         let text = std::fs::read_to_string(path).ok()?;
-        let mut lines = text.lines().filter(|l| !l.trim().is_empty());
+        let mut lines = text.trim_start_matches('\u{feff}').lines().filter(|l| !l.trim().is_empty());
         let mut names = cells(lines.next()?);
         if !names.remove(0).eq_ignore_ascii_case("time") {
             return None;
@@ -60,8 +60,13 @@ impl Table {
 fn cells(line: &str) -> Vec<String> {
     let mut cells = vec![String::new()];
     let mut quoted = false;
-    for c in line.trim().chars() {
+    let mut chars = line.trim().chars().peekable();
+    while let Some(c) = chars.next() {
         match c {
+            // Two quotes within quotes are one.
+            '"' if quoted && chars.peek() == Some(&'"') => {
+                cells.last_mut().expect("there is a first cell").extend(chars.next())
+            }
             '"' => quoted = !quoted,
             ',' | ';' if !quoted => cells.push(String::new()),
             c => cells.last_mut().expect("there is a first cell").push(c),
@@ -105,6 +110,22 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     if has_inputs && inputs.is_none() {
         return Ok(());
     }
+    let is_set = |name: &str| find(facts, name).is_some_and(|v| v.is("input"));
+    let columns = |table: &Table| {
+        table
+            .names
+            .iter()
+            .enumerate()
+            .filter(|(_, name)| is_set(name))
+            .map(|(i, _)| i + 1)
+            .collect::<Vec<_>>()
+    };
+    if let Some(table) = &inputs
+        && columns(table).iter().any(|k| table.rows.iter().any(|row| !row[*k].is_finite()))
+    {
+        seen.add(&place, rules::reference_input_not_finite());
+        return Ok(());
+    }
     for (source, table) in results {
         compare(subject, &format!("{FOLDER}/{source}"), &table, inputs.as_ref(), seen)?;
     }
@@ -137,11 +158,12 @@ fn compare(
         let base = name.split_once('[').map_or(name, |(base, _)| base);
         facts.variables.iter().any(|v| v.name == name || v.name == base)
     };
-    if let Some(name) = table.names.iter().find(|name| !is_known(name)) {
+    if let Some(name) = table.names.iter().find(|name| !name.is_empty() && !is_known(name)) {
         seen.add(place, rules::reference_column(short(name)));
     }
-    for (column, v) in &columns {
-        if let Some(row) = table.rows.iter().find(|row| !row[*column].is_finite()) {
+    let numbers = table.names.iter().enumerate();
+    for (column, v) in numbers.filter_map(|(i, name)| Some((i + 1, find(facts, name)?))) {
+        if let Some(row) = table.rows.iter().find(|row| !row[column].is_finite()) {
             seen.add(place, rules::reference_not_finite(v, row[0]));
         }
     }

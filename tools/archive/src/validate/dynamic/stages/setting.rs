@@ -110,12 +110,15 @@ pub(super) fn tunable(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         session.call("EnterEventMode", |raw| raw.enter_event_mode())?;
     }
     for v in all {
-        let present = session.get(v)?;
-        let status = session.raw.set(v.kind, &[v.reference], &present);
-        if status > Status::Warning {
-            let words = words(session.raw.log());
-            seen.add(&v.place, rules::tunable_refused(v, status, session.now, words));
-            break;
+        let (present, other) = (session.get(v)?, vec![v.other_value(); v.size]);
+        // A value within its own limits may be impossible beside the others, which an FMU says by Discard.
+        for (values, most) in [(present, Status::Warning), (other, Status::Discard)] {
+            let status = session.raw.set(v.kind, &[v.reference], &values);
+            if status > most {
+                let words = words(session.raw.log());
+                seen.add(&v.place, rules::tunable_refused(v, values[0], status, session.now, words));
+                return Ok(());
+            }
         }
     }
     Ok(())

@@ -1,0 +1,158 @@
+//! The one channel whose gain or offset makes the odd file agree with the motor of the others.
+//!
+//! The declared parameters are those of the other files. In the odd file,
+//!
+//! ```text
+//! output:  y = g p                    input:  u' = g u                    ambient temperature:  T' = T + d              (1)
+//! ```
+//! with the prediction p of an output; g of an output by least squares, g of an input and d by search. A command that was not executed is an
+//! input with g = 0. A change is named if it leaves less than a tenth of the file's mean square error beyond the noise.
+
+use crate::CalibrateError;
+use crate::comparison::digits;
+use crate::deadline::Deadline;
+use crate::experiment::{Experiment, Role};
+use crate::fit::Fitted;
+use crate::hypothesis::Hypothesis;
+use crate::levels::{AT_NOISE, SMALL};
+use crate::setup::{Setup, Shown};
+use physics::declare::Unit;
+
+/// Gains of an input at which the search begins. Numerical: between two of them the error has one minimum.
+const GAINS: [f64; 17] =
+    [-1.0, -0.3, 0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.2, 1.5, 2.0, 3.0, 5.0, 7.5, 10.0, 15.0];
+/// Number of those that are negative. Definition: of the list above.
+const NEGATIVE: usize = 2;
+/// Offsets of the ambient temperature at which the search begins, K. Limit: a bench is in a room.
+const OFFSETS: [f64; 10] = [-20.0, -10.0, -5.0, -2.5, -1.0, 1.0, 2.5, 5.0, 10.0, 20.0];
+/// Halvings of the distance to the next of them. Numerical: a gain is then known to 1 %.
+const HALVINGS: usize = 6;
+
+/// Change of one channel.
+pub struct Change {
+    /// The channel, inputs first.
+    pub column: usize,
+    /// What has to be done to it, as a clause.
+    pub words: String,
+    /// What is left of the mean square error beyond the noise.
+    left: f64,
+}
+
+/// The change of one channel with which these runs agree with the others; `None` if no single channel does it.
+///
+/// # Errors
+/// An experiment whose model cannot be set up.
+pub(super) fn likely(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    runs: &[usize],
+    deadline: &Deadline,
+) -> Result<Option<Change>, CalibrateError> {
+    let setup = Setup::new(experiment, preset)?.until(deadline.clone());
+    let is_other =
+        |run: &usize| matches!(experiment.runs[*run].role, Role::Fit | Role::Validate) && !runs.contains(run);
+    let others: Vec<usize> = (0..experiment.runs.len()).filter(is_other).collect();
+    let Ok(Fitted { hypothesis, .. }) = setup.fit(setup.preset(), &others) else { return Ok(None) };
+    let odd = Odd { setup, preset, runs, hypothesis };
+    let Ok(shown) = odd.setup.show(&odd.hypothesis, runs) else { return Ok(None) };
+    let before = odd.excess(&odd.setup, &shown, None);
+    let mut all = odd.outputs(&shown);
+    for input in 0..experiment.inputs.len() {
+        if deadline.is_near() {
+            return Ok(None);
+        }
+        all.extend(odd.input(input));
+    }
+    let best = all.into_iter().min_by(|a, b| a.left.total_cmp(&b.left));
+    Ok(best.filter(|change| change.left < SMALL * before))
+}
+
+/// The odd file and the motor of the others.
+struct Odd<'a> {
+    setup: Setup<'a>,
+    preset: &'a [(u32, f64)],
+    runs: &'a [usize],
+    hypothesis: Hypothesis,
+}
+
+impl Odd<'_> {
+    /// Mean square error beyond the noise, in units of the noise, with the squares of an output in place of its own.
+    fn excess(&self, setup: &Setup, shown: &[Shown], other: Option<(usize, f64)>) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for (k, (own, readings)) in setup.squares(self.runs, shown).into_iter().enumerate() {
+            let square = other.filter(|(output, _)| *output == k).map_or(own, |(_, square)| square);
+            sum += square / setup.sigma(k).powi(2);
+            count += readings;
+        }
+        let excess = (sum / count.max(1) as f64 - 1.0).max(AT_NOISE - 1.0);
+        if excess.is_nan() { f64::INFINITY } else { excess }
+    }
+
+    /// Each output that has a gain of its own, with what is left. A temperature has effects at its sensor instead.
+    fn outputs(&self, shown: &[Shown]) -> Vec<Change> {
+        let outputs = &self.setup.experiment.outputs;
+        let mut sums = vec![(0.0, 0.0, 0.0); outputs.len()];
+        for (run, shown) in self.runs.iter().zip(shown) {
+            self.setup.each(*run, shown, |row, output, off| {
+                let y = self.setup.experiment.readings(*run, output)[row];
+                let p = y - off;
+                let (yy, yp, pp) = &mut sums[output];
+                (*yy, *yp, *pp) = (*yy + y * y, *yp + y * p, *pp + p * p);
+            });
+        }
+        let of = |(k, (yy, yp, pp)): (usize, (f64, f64, f64))| {
+            let gain = yp / pp;
+            let is_one = outputs[k].is_temperature() || !(gain.is_finite() && gain != 0.0);
+            let left = self.excess(&self.setup, shown, Some((k, (yy - gain * yp) / (gain * gain))));
+            let column = self.setup.experiment.place_of(k);
+            let words = format!("{} is divided by {}", outputs[k].column, digits(gain));
+            (!is_one).then_some(Change { column, words, left })
+        };
+        sums.into_iter().enumerate().filter_map(of).collect()
+    }
+
+    /// An input with the gain, or the offset, that leaves least.
+    fn input(&self, input: usize) -> Option<Change> {
+        let channel = self.setup.experiment.inputs[input];
+        let is_offset = channel.is_temperature();
+        let changed = |x: f64| -> f64 {
+            let mut data = self.setup.experiment.clone();
+            for run in self.runs {
+                let column = &mut data.runs[*run].table.columns[input];
+                column.iter_mut().for_each(|u| *u = if is_offset { *u + x } else { *u * x });
+            }
+            let Ok(setup) = Setup::new(&data, self.preset) else { return f64::INFINITY };
+            // The noise of the data as they are.
+            let setup = Setup { noise: self.setup.noise.clone(), ..setup };
+            setup
+                .show(&self.hypothesis, self.runs)
+                .map_or(f64::INFINITY, |shown| self.excess(&setup, &shown, None))
+        };
+        // A command has no sign that a wire could change.
+        let gains = if channel.unit == Unit::One { &GAINS[NEGATIVE..] } else { &GAINS };
+        let starts: &[f64] = if is_offset { &OFFSETS } else { gains };
+        let tried = starts.iter().enumerate().map(|(k, x)| (k, *x, changed(*x)));
+        let (k, mut at, mut least) = tried.min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let beside = [k.checked_sub(1).map(|k| starts[k]), starts.get(k + 1).copied()];
+        let mut step = beside.iter().flatten().map(|x| 0.5 * (x - at).abs()).fold(0.0, f64::max);
+        for _ in 0..HALVINGS {
+            for x in [at - step, at + step].into_iter().filter(|x| *x >= starts[0]) {
+                let excess = changed(x);
+                if excess < least {
+                    (at, least) = (x, excess);
+                }
+            }
+            step *= 0.5;
+        }
+        let column = channel.column;
+        let words = match () {
+            () if is_offset => format!("{} K is added to {column}", digits(at)),
+            () if at.abs() < SMALL * SMALL => {
+                format!("{column} was 0 throughout, whatever was commanded or read")
+            }
+            () if channel.unit == Unit::One => format!("{column} acted as {} times its value", digits(at)),
+            () => format!("{column} is multiplied by {}", digits(at)),
+        };
+        Some(Change { column: input, words, left: least })
+    }
+}

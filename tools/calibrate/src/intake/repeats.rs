@@ -1,0 +1,50 @@
+//! Readings that a slower instrument repeats: a scanner that comes to each thermometer once in ten seconds, a meter that is polled less often
+//! than the rows are written. Each reading is of the time of its first row; the others are no readings, and taken as such they look like a
+//! sensor that lags by half of the interval, has no noise, and jumps.
+
+use crate::experiment::Experiment;
+use crate::noise::{self, LONGEST};
+use crate::report::count_of;
+
+/// Sets aside the repeated readings of the outputs, with notes; those of the inputs as well if the logger repeats all channels: the row is one
+/// reading. Otherwise an input that is constant for some rows was commanded so.
+pub fn set_aside(experiment: &mut Experiment) {
+    let inputs = experiment.inputs.len();
+    for run in 0..experiment.runs.len() {
+        let outputs: Vec<usize> = (inputs..inputs + experiment.outputs.len()).collect();
+        let is_read = |k: &usize| experiment.runs[run].table.columns[*k].iter().any(|x| x.is_finite());
+        let read = outputs.iter().filter(|k| is_read(k)).count();
+        let repeated: Vec<usize> = outputs.into_iter().filter(|k| without(experiment, run, *k)).collect();
+        if !repeated.is_empty() && repeated.len() == read {
+            (0..inputs).for_each(|k| {
+                without(experiment, run, k);
+            });
+        }
+    }
+}
+
+/// Sets aside the repeated readings of a channel in a run; whether there are any.
+fn without(experiment: &mut Experiment, run: usize, k: usize) -> bool {
+    let inputs = experiment.inputs.len();
+    let channel = if k < inputs { experiment.inputs[k] } else { experiment.outputs[k - inputs] };
+    let own = &mut experiment.runs[run];
+    let (time, column) = (&own.table.time, &mut own.table.columns[k]);
+    let known: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
+    let (time, values): (Vec<f64>, Vec<f64>) = known.iter().map(|row| (time[*row], column[*row])).unzip();
+    // What follows the inputs at once is constant as long as they are; a temperature of the motor is not.
+    let held = match channel.is_temperature() && k >= inputs {
+        true => noise::held(&time, &values, usize::MAX).or_else(|| noise::repeated(&values)),
+        false => noise::held(&time, &values, LONGEST),
+    };
+    let Some(held) = held else { return false };
+    known.iter().zip(held).filter(|(_, held)| *held).for_each(|(row, _)| column[*row] = f64::NAN);
+    let new = column.iter().filter(|x| x.is_finite()).count();
+    experiment.notes.push(format!(
+        "{}: {} has a new reading in {} of {} only; the repeated ones are set aside",
+        own.file,
+        channel.column,
+        count_of(new, "row"),
+        known.len()
+    ));
+    true
+}
