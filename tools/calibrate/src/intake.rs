@@ -142,10 +142,11 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     let own = fits.own();
     let Fits { predicted, fitted, is_sure } = fits;
     pulses::set_aside(experiment, &own, &spikes);
+    // A sensor that is right looks wrong beside a dead input, and is the evidence against it.
     let asked = experiment.clone();
     let deviations = || deviations(&asked, preset, &predicted, deadline);
     response::set_aside(experiment, &predicted, (&fitted, &is_sure), deviations);
-    let unusable = dead_input::found(experiment, preset, &predicted, deadline)
+    let unusable = dead_input::found(&asked, preset, &predicted, deadline)
         .or_else(|| nothing_left(experiment))
         .or_else(|| start::of_single_sensor(experiment));
     if let Some(unusable) = unusable {

@@ -16,9 +16,11 @@
 //! *Source*: Gasser, Sroka, Jennen-Steinmetz, Biometrika 73 (1986) 625-633; 1.4826 makes the median of a normal
 //! distribution its standard deviation. (3): Widrow, IRE Transactions on Circuit Theory 3 (1956) 266-276.
 
+mod held;
+
 use crate::experiment::{Channel, Experiment};
 use crate::levels::{NEARLY, STRUCTURE};
-use crate::numbers::median;
+pub use held::{held, repeated};
 
 /// Lower limit of the noise, as a fraction of the channel's span. Numerical: accuracy of a simulation.
 const LEAST: f64 = 1e-5;
@@ -81,59 +83,6 @@ pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
     let Some(held) = held(&time, &values, LONGEST) else { return Some(0.0) };
     let new: Vec<(f64, f64)> = known.iter().zip(held).filter(|(_, held)| !held).map(|(r, _)| *r).collect();
     of_readings(&new).or(Some(0.0))
-}
-
-/// Which readings repeat an earlier one, if a logger with sample-and-hold has a new one at a constant interval of 2 to `longest` rows. A new
-/// reading may be equal to the one before.
-pub fn held(time: &[f64], values: &[f64], longest: usize) -> Option<Vec<bool>> {
-    let changes: Vec<f64> =
-        (1..values.len()).filter(|k| values[*k] != values[k - 1]).map(|k| time[k]).collect();
-    let row = median(time.windows(2).map(|w| w[1] - w[0]));
-    let (start, period) = lattice(&changes, row)?;
-    let sample = |k: usize| ((time[k] - start) / period + 0.5 * row / period).floor();
-    let held = (0..values.len()).map(|k| k > 0 && sample(k) == sample(k - 1)).collect();
-    (period < (longest as f64 + 0.5) * row).then_some(held)
-}
-
-/// Start and period of equidistant times at which all changes happen, each in the first row after it; `row` is the interval between the
-/// rows. Changes that have nothing to do with such times lie at one with a probability of row / period each.
-fn lattice(changes: &[f64], row: f64) -> Option<(f64, f64)> {
-    let mut gaps: Vec<f64> = changes.windows(2).map(|w| w[1] - w[0]).collect();
-    gaps.sort_by(f64::total_cmp);
-    // A gap may be longer by the samples that repeat the one before, and any by the rounding to rows.
-    let shortest = *gaps.get((FIRST * gaps.len() as f64) as usize).filter(|gap| **gap > 1.5 * row)?;
-    let single: Vec<f64> = gaps.iter().copied().filter(|gap| *gap < 1.5 * shortest).collect();
-    let mut period = single.iter().sum::<f64>() / single.len() as f64;
-    let mut places = vec![0.0];
-    for pair in changes.windows(2) {
-        places.push(places[places.len() - 1] + ((pair[1] - pair[0]) / period).round());
-    }
-    let mut start = changes[0];
-    for _ in 0..2 {
-        let n = changes.len() as f64;
-        let (x, y) = (places.iter().sum::<f64>() / n, changes.iter().sum::<f64>() / n);
-        let both: f64 = places.iter().zip(changes).map(|(p, t)| (p - x) * (t - y)).sum();
-        period = both / places.iter().map(|p| (p - x).powi(2)).sum::<f64>();
-        start = y - period * x;
-        places = changes.iter().map(|t| ((t - start) / period).round()).collect();
-    }
-    let off = |(place, t): (&f64, &f64)| (t - start - period * place).abs();
-    let near = places.iter().zip(changes).filter(|pair| off(*pair) <= (0.5 + ON_STEP) * row).count();
-    let is_regular = near as f64 >= NEARLY * changes.len() as f64 && changes.len() >= MOVES;
-    (is_regular && period > 1.5 * row).then_some((start, period))
-}
-
-/// Which readings repeat the one before, if a sensor that is finer than its changes repeats nearly all of them: it is read less often than the
-/// rows are written, at any times. A noise of several steps gives equal neighbours in one of six rows only, as 1 / (2.5 sqrt(2 pi)).
-pub fn repeated(values: &[f64]) -> Option<Vec<bool>> {
-    let held: Vec<bool> = (0..values.len()).map(|k| k > 0 && values[k] == values[k - 1]).collect();
-    let plateaus: Vec<&[f64]> = values.chunk_by(|a, b| a == b).collect();
-    let long = plateaus.iter().filter(|plateau| plateau.len() > 1).count();
-    let mut moves: Vec<f64> = plateaus.windows(2).map(|w| (w[1][0] - w[0][0]).abs()).collect();
-    moves.sort_by(f64::total_cmp);
-    let (step, usual) = (*moves.first()?, moves[moves.len() / 2]);
-    let is_fine = usual > 2.0 * step && moves.len() >= MOVES / 2;
-    (is_fine && long as f64 >= NEARLY * plateaus.len() as f64).then_some(held)
 }
 
 /// Whether nearly all readings of a column differ from the one before: neither held by a slower sensor nor coarsely quantised.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::deadline::Deadline;
 use crate::hypothesis::Addition;
 use crate::selection::compete;
 use crate::testing;

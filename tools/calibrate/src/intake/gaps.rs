@@ -31,6 +31,9 @@ const USUAL: f64 = 0.95;
 
 /// Readings on either side of a pause that are compared. Numerical: in three rows a temperature hardly moves.
 const BESIDE: usize = 3;
+/// Part of the difference between the means of [`BESIDE`] readings that is due to one row. Derivation: 1 of a jump, 1/3 of a ramp, which a
+/// change of the load makes; this is the middle.
+const SHARP: f64 = 2.0 / 3.0;
 
 /// A gap to end a run at.
 #[derive(Clone, Copy)]
@@ -147,17 +150,24 @@ fn pauses(experiment: &Experiment, predicted: &Predicted, nodes: &[usize], run: 
     let read: Vec<(Vec<f64>, f64)> =
         read.into_iter().filter_map(|off| noise::of_column(time, &off).map(|sigma| (off, sigma))).collect();
     let least = bound(experiment);
-    // In standard deviations of the difference of two means.
-    let jump = |row: usize, (off, sigma): &(Vec<f64>, f64)| {
+    let means = |row: usize, off: &[f64]| {
         let mean =
             |rows: std::ops::Range<usize>| rows.clone().map(|k| off[k]).sum::<f64>() / rows.len() as f64;
-        let change = mean(row + 1..row + 1 + BESIDE) - mean(row + 1 - BESIDE..row + 1);
-        change.abs() / (sigma * (2.0 / BESIDE as f64).sqrt())
+        mean(row + 1..row + 1 + BESIDE) - mean(row + 1 - BESIDE..row + 1)
+    };
+    // In standard deviations of the difference of two means.
+    let jump = |row: usize, (off, sigma): &(Vec<f64>, f64)| {
+        means(row, off).abs() / (sigma * (2.0 / BESIDE as f64).sqrt())
     };
     let of = |row: usize| read.iter().map(|one| jump(row, one)).fold(f64::INFINITY, f64::min);
     let rows = (BESIDE..time.len().saturating_sub(BESIDE + 1)).map(|row| (row, of(row)));
     let greatest = rows.filter(|(_, z)| z.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
-    greatest.filter(|(_, z)| read.len() > 1 && *z > least).map(|(row, _)| row)
+    let (row, _) = greatest.filter(|(_, z)| read.len() > 1 && *z > least)?;
+    let change = |row: &usize| -> f64 {
+        read.iter().map(|(off, sigma)| (off[row + 1] - off[*row]).abs() / sigma).sum()
+    };
+    let row = (row + 1 - BESIDE..row + BESIDE).max_by(|a, b| change(a).total_cmp(&change(b)))?;
+    read.iter().all(|(off, _)| (off[row + 1] - off[row]).abs() > SHARP * means(row, off).abs()).then_some(row)
 }
 
 /// What is usual of the changes of a deviation within some seconds, in all runs.
@@ -228,5 +238,29 @@ mod tests {
         let mut whole = experiment(7);
         assert_eq!(check(&mut whole, &[], &Deadline::default()), Ok(true));
         assert_eq!(whole.runs.len(), 1);
+    }
+
+    /// Rows that are missing while the times go on: the thermometers jump.
+    #[test]
+    fn a_pause_that_is_not_in_the_times_ends_a_run() {
+        for (seed, from, to) in [(11, 300, 340), (12, 700, 900), (13, 905, 950)] {
+            let mut data = experiment(seed);
+            let table = &mut data.runs[0].table;
+            table.time.truncate(1200 - (to - from));
+            table.columns.iter_mut().for_each(|column| drop(column.drain(from..to)));
+            assert_eq!(check(&mut data, &[], &Deadline::default()), Ok(true), "{:?}", data.notes);
+            let rows: Vec<usize> = data.runs.iter().map(|run| run.table.time.len()).collect();
+            assert_eq!(rows, [from, 1200 - to], "{:?}", data.notes);
+            assert!(
+                data.notes.iter().any(|note| note.contains("as if the logger had paused")),
+                "{:?}",
+                data.notes
+            );
+        }
+        // One thermometer that moves is no pause.
+        let mut moved = experiment(11);
+        moved.runs[0].table.columns[WINDING][500..].iter_mut().for_each(|x| *x -= 6.0);
+        let _ = check(&mut moved, &[], &Deadline::default());
+        assert!(!moved.notes.iter().any(|note| note.contains("paused")), "{:?}", moved.notes);
     }
 }

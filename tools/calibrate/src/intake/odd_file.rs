@@ -78,12 +78,12 @@ fn found(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::intake::tests::{CURRENT, HOUSING, SPEED, TORQUE, WINDING, with_inputs};
 
     /// Three files with other loads; one column of one of them is changed by row and reading.
-    fn three(odd: usize, column: usize, change: impl Fn(usize, f64) -> f64) -> Experiment {
+    pub fn three(odd: usize, column: usize, change: impl Fn(usize, f64) -> f64) -> Experiment {
         let loads = [[0.0, 4.0, 1.5, 6.0, 3.0], [5.0, 0.0, 2.0, 4.0, 1.0], [2.0, 5.0, 0.0, 3.0, 6.0]];
         let all = loads.iter().zip(71..).map(|(loads, seed)| {
             with_inputs(seed, |columns| {

@@ -156,3 +156,61 @@ impl Odd<'_> {
         Some(Change { column: input, words, left: least })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::odd_file::tests::three;
+    use super::super::tests::{AMBIENT, CURRENT, FAN, SPEED, TORQUE, VOLTAGE, WINDING, with_inputs};
+    use super::*;
+
+    fn change(odd: usize, column: usize, of: impl Fn(usize, f64) -> f64) -> Option<Change> {
+        likely(&three(odd, column, of), &[], &[odd], &Deadline::default()).unwrap()
+    }
+
+    /// The readings of one channel of one file are wrong by a factor, or those of the ambient thermometer by an offset.
+    #[test]
+    fn the_gain_of_a_channel_is_found() {
+        for (odd, column, factor) in [
+            (0, CURRENT, 1.25),
+            (1, SPEED, 0.4),
+            (2, TORQUE, 7.0),
+            (0, VOLTAGE, 0.9),
+            (1, CURRENT, -1.0),
+            (2, CURRENT, 0.1),
+        ] {
+            let found = change(odd, column, |_, x| factor * x).unwrap_or_else(|| panic!("{column} {factor}"));
+            assert_eq!(found.column, column, "{factor}: {}", found.words);
+            let stated: f64 = found.words.rsplit(' ').next().unwrap().parse().unwrap();
+            let meant = if column < VOLTAGE { 1.0 / factor } else { factor };
+            assert!((stated / meant - 1.0).abs() < 0.03, "{factor}: {}", found.words);
+        }
+        let found = change(1, AMBIENT, |_, x| x - 4.0).unwrap();
+        assert!(found.column == AMBIENT && found.words.starts_with("4."), "{}", found.words);
+    }
+
+    /// A fan that did not run in one file.
+    #[test]
+    fn a_command_that_was_not_executed_is_found() {
+        let mut data = three(1, FAN, |_, x| x);
+        let still = with_inputs(72, |columns| {
+            columns[CURRENT]
+                .iter_mut()
+                .enumerate()
+                .for_each(|(k, i)| *i = [5.0, 0.0, 2.0, 4.0, 1.0][k / 60 % 5]);
+            columns[FAN].fill(0.0);
+        });
+        let commanded = data.runs[1].table.columns[FAN].clone();
+        data.runs[1].table = still.runs[0].table.clone();
+        data.runs[1].table.columns[FAN] = commanded;
+        let found = likely(&data, &[], &[1], &Deadline::default()).unwrap().unwrap();
+        assert!(found.column == FAN && found.words.contains("was 0 throughout"), "{}", found.words);
+    }
+
+    /// What is no factor of one channel: a drift, a scatter, an effect that the load has.
+    #[test]
+    fn other_errors_are_no_gain() {
+        assert!(change(0, WINDING, |row, x| x + 6.0 * (row as f64 / 1200.0)).is_none());
+        assert!(change(2, VOLTAGE, |row, x| if row % 200 < 100 { x } else { 1.3 * x }).is_none());
+        assert!(change(1, TORQUE, |_, x| x + 0.004 * x.signum()).is_none());
+    }
+}

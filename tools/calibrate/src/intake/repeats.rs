@@ -48,3 +48,57 @@ fn without(experiment: &mut Experiment, run: usize, k: usize) -> bool {
     ));
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::check;
+    use super::super::tests::{HOUSING, SPEED, VOLTAGE, WINDING, experiment};
+    use super::*;
+    use crate::deadline::Deadline;
+
+    /// Each reading is repeated until the next one, which comes every so many rows.
+    fn hold(data: &mut Experiment, k: usize, rows: usize, first: usize) {
+        let column = &mut data.runs[0].table.columns[k];
+        let read = column.clone();
+        column.iter_mut().enumerate().for_each(|(row, x)| {
+            *x = read[((row + rows - first) / rows * rows + first).saturating_sub(rows)]
+        });
+    }
+
+    /// One thermometer or both, with a scan at a different place of the interval: the readings left are those of the scans, and good.
+    #[test]
+    fn a_scanner_leaves_the_readings_of_its_scans() {
+        for (rows, both) in [(4, true), (11, false), (30, true)] {
+            let (mut data, whole) = (experiment(31), experiment(31));
+            hold(&mut data, WINDING, rows, 0);
+            if both {
+                hold(&mut data, HOUSING, rows, rows / 2);
+            }
+            assert_eq!(check(&mut data, &[], &Deadline::default()), Ok(true), "{:?}", data.notes);
+            let (own, all) = (&data.runs[0].table.columns, &whole.runs[0].table.columns);
+            let left: Vec<usize> = (0..1200).filter(|row| own[WINDING][*row].is_finite()).collect();
+            assert!(left.len().abs_diff(1200 / rows) < 3, "{} of {rows}", left.len());
+            assert!(left.iter().all(|row| own[WINDING][*row] == all[WINDING][*row]));
+            let wrong: Vec<&String> =
+                data.notes.iter().filter(|note| !note.contains("a new reading in")).collect();
+            assert!(wrong.is_empty(), "{wrong:?}");
+        }
+    }
+
+    /// A logger that writes each row several times; where one output is read in each row, the inputs are as they were commanded.
+    #[test]
+    fn a_row_that_is_written_several_times_is_one() {
+        let mut data = experiment(32);
+        (0..8).for_each(|k| hold(&mut data, k, 5, 0));
+        let mut one = data.clone();
+        one.runs[0].table.columns[VOLTAGE] = experiment(32).runs[0].table.columns[VOLTAGE].clone();
+        set_aside(&mut data);
+        set_aside(&mut one);
+        let new = |data: &Experiment, k: usize| {
+            data.runs[0].table.columns[k].iter().filter(|x| x.is_finite()).count()
+        };
+        assert!((238..=242).contains(&new(&data, SPEED)), "{}", new(&data, SPEED));
+        assert_eq!((new(&one, SPEED), new(&one, VOLTAGE)), (1200, 1200));
+        assert!(new(&one, HOUSING) < 243);
+    }
+}

@@ -10,6 +10,7 @@ const PRIORS: &str = "\"motor.R_ref\" = 0.05\n\"motor.k_t\" = 0.05\n\"thermal.R_
 const SIGMA: [f64; 8] = [0.004, 0.3, 0.0, 0.02, 0.02, 6e-4, 0.1, 0.1];
 pub(super) const CURRENT: usize = 0;
 pub(super) const SPEED: usize = 1;
+pub(super) const FAN: usize = 2;
 pub(super) const AMBIENT: usize = 3;
 pub(super) const VOLTAGE: usize = 4;
 pub(super) const TORQUE: usize = 5;
