@@ -156,7 +156,9 @@ pub const CASES: &[Case] = &[
         })
     }),
     ("svg-without-png", || {
-        changed(Fmi2, |fmu| fmu.add("terminalsAndIcons/icon.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>"))
+        changed(Fmi2, |fmu| {
+            fmu.add("terminalsAndIcons/icon.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>")
+        })
     }),
     ("picture-unreadable", || with("model.png")),
     ("picture-unreadable", || with("documentation/diagram.png")),
