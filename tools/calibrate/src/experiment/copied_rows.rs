@@ -137,9 +137,10 @@ fn resolution(values: &[f64]) -> Vec<f64> {
     distinct.dedup();
     let gaps: Vec<f64> = distinct.windows(2).map(|w| w[1] - w[0]).collect();
     let at = |rank: usize| {
-        let least = PRECISION * distinct[rank].abs();
+        let (first, last) = (rank.saturating_sub(NEAR), gaps.len().min(rank + NEAR));
+        let least = PRECISION * distinct[first].abs().max(distinct[last].abs());
         let step = |part: &[f64]| part.iter().copied().reduce(|a, b| common(a, b, least));
-        let sides = [&gaps[rank.saturating_sub(NEAR)..rank], &gaps[rank..gaps.len().min(rank + NEAR)]];
+        let sides = [&gaps[first..rank], &gaps[rank..last]];
         // One reading alone has no resolution.
         sides.into_iter().filter_map(step).reduce(f64::max).unwrap_or(f64::INFINITY)
     };
@@ -333,7 +334,7 @@ mod tests {
         ] {
             assert_eq!(found(own.clone(), rows_of.clone()), Some(expected));
             let coarse = found(own.clone(), rounded(&rows_of, [1e-2, 1e-3, 0.1]));
-            assert!(coarse.is_some_and(|rows| rows > expected * 9 / 10), "{coarse:?} of {expected}");
+            assert!(coarse.is_some_and(|rows| rows > expected * 49 / 50), "{coarse:?} of {expected}");
         }
         let cut = changed(&own, |k, x| if k == 3 { (x * 10.0).trunc() / 10.0 } else { x });
         let digits = changed(&own, |k, x| if k == 0 { x } else { format!("{x:.2e}").parse().unwrap() });
