@@ -3,6 +3,7 @@
 mod channel;
 mod clock;
 mod columns;
+mod copied_rows;
 mod drive;
 mod settings;
 mod shared_rows;
@@ -11,6 +12,7 @@ mod table;
 pub mod units;
 
 pub use channel::{CELSIUS, CHANNELS, Channel};
+pub(crate) use stamp::LONGEST_RUN;
 pub use table::Table;
 
 use crate::CalibrateError;

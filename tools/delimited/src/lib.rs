@@ -123,6 +123,21 @@ impl Table {
         self.place.line
     }
 
+    /// The lines before the header, from the one next to it, that have no more cells than it, with a cell for each of its columns; also those
+    /// behind a comment sign.
+    pub fn above(&self) -> Vec<Row> {
+        let before = header::lines(&self.text).take_while(|(line, ..)| *line < self.place.line);
+        let row = |(line, _, text)| {
+            let mut cells = header::cells(header::uncommented(text), self.place.separator);
+            let fits = !cells.is_empty() && cells.len() <= self.header.len();
+            cells.resize(self.header.len(), String::new());
+            fits.then(|| Row { line, cells: cells.into() })
+        };
+        let mut rows: Vec<Row> = before.filter_map(row).collect();
+        rows.reverse();
+        rows
+    }
+
     /// Lines that repeat the header and are skipped: the logger was restarted and continued the file.
     pub fn repeated(&self) -> &[u64] {
         &self.repeated

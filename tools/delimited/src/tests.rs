@@ -168,6 +168,22 @@ fn a_header_is_found_by_its_names() {
     assert_eq!(Table::with_names(b"# U\n", &[vec!["t"], vec!["U"]]).unwrap_err(), empty());
 }
 
+/// Lines before the header in its columns, the nearest first; a line with more cells is no row of it.
+#[test]
+fn lines_above_the_header_have_its_columns() {
+    let above = |text: &str| -> Vec<(u64, Vec<String>)> {
+        let rows = found(text).0.above().into_iter();
+        rows.map(|row| (row.line, row.cells.iter().map(str::to_owned).collect())).collect()
+    };
+    let cells = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
+    assert_eq!(
+        above("Rig 3\na;b;c;d\n\n# s; V ;;\nt;U;I\n0;1,5;2\n"),
+        [(4, cells(["s", "V", ""])), (1, cells(["Rig 3", "", ""]))]
+    );
+    assert_eq!(above("s,\"V\",A\n// t,U,I\n0,1.5,2\n"), [(1, cells(["s", "V", "A"]))]);
+    assert_eq!(above("t;U;I\n0;1,5;2\n"), []);
+}
+
 /// A file that was continued after a restart, with and without the lines before its header; the numbers of the lines remain.
 #[test]
 fn a_repeated_header_is_skipped() {

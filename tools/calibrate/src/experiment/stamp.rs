@@ -1,7 +1,12 @@
 //! Times of a file: seconds, date and time, or hours, minutes and seconds.
 //!
 //! A date is YYYY-MM-DD, or dd.mm.yyyy, or day and month with slashes or hyphens, in the order that the dates of the file show: a field
-//! above 12 is the day. Two fields of a clock are hours and minutes, or minutes and seconds if one of the file has a fraction.
+//! above 12 is the day. A year may have two digits where the order is clear ([`two_digits`]). Two fields of a clock are hours and minutes,
+//! or minutes and seconds if one of the file has a fraction.
+
+mod two_digits;
+
+use two_digits::{Dates, Order};
 
 /// Seconds per minute. Definition: unit of time.
 const MINUTE: f64 = 60.0;
@@ -9,6 +14,8 @@ const MINUTE: f64 = 60.0;
 pub const HOUR: f64 = 60.0 * MINUTE;
 /// Seconds per day. Definition: unit of time.
 pub const DAY: f64 = 24.0 * HOUR;
+/// Longest run of a bench, s. Limit: thirty days; times that would last longer are in a shorter unit, or are dates in another order.
+pub const LONGEST_RUN: f64 = 30.0 * DAY;
 
 /// A time in the format of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +37,8 @@ pub struct Notation {
     has_minutes_first: bool,
     /// The first clock with two fields.
     two_fields: Option<String>,
+    /// The order of dates with a year of two digits, and a note on it.
+    short: Option<(Order, Option<String>)>,
 }
 
 impl Notation {
@@ -40,7 +49,9 @@ impl Notation {
     pub fn of(cells: impl Iterator<Item = (u64, String)>) -> Result<Notation, (u64, String)> {
         let mut found = Notation::default();
         let (mut day_first, mut month_first, mut open) = (false, false, None);
+        let mut short = Dates::default();
         for (line, cell) in cells {
+            short.add(line, &cell);
             let Some((first, second)) = day_and_month(&cell) else {
                 if let Some(fraction) = two_fields(&cell) {
                     found.has_minutes_first |= fraction;
@@ -63,6 +74,7 @@ impl Notation {
             }
         }
         found.is_day_first = day_first;
+        found.short = short.order()?;
         match open.filter(|_| !day_first && !month_first) {
             Some((line, cell)) => Err((
                 line,
@@ -74,12 +86,15 @@ impl Notation {
         }
     }
 
-    /// How clocks with two fields are read.
-    pub fn note(&self) -> Option<String> {
-        let cell = self.two_fields.as_ref().filter(|_| !self.has_minutes_first)?;
-        Some(format!(
-            "time_s = {cell} is read as hours and minutes; minutes and seconds need the hours as well, as in 0:{cell}"
-        ))
+    /// How clocks with two fields and dates with a year of two digits are read.
+    pub fn notes(&self) -> Vec<String> {
+        let clock = self.two_fields.as_ref().filter(|_| !self.has_minutes_first).map(|cell| {
+            format!(
+                "time_s = {cell} is read as hours and minutes; minutes and seconds need the hours as well, as in 0:{cell}"
+            )
+        });
+        let date = self.short.as_ref().and_then(|(_, note)| note.clone());
+        clock.into_iter().chain(date).collect()
     }
 }
 
@@ -112,6 +127,9 @@ impl Stamp {
         if let Ok(number) = cell.parse::<f64>() {
             return Some(Stamp::Number(number));
         }
+        if let Some(seconds) = spelled(cell) {
+            return Some(Stamp::Clock(seconds));
+        }
         let (cell, half) = half_of_day(cell);
         let apart = |c: char| c == 'T' || c == 't' || c == ' ';
         let time = |text: &str| clock(text, half, notation);
@@ -139,20 +157,24 @@ fn half_of_day(cell: &str) -> (&str, Option<Half>) {
     found.unwrap_or((cell, None))
 }
 
-/// Days from 1970-01-01 to a date. *Source*: Richards, Explanatory Supplement to the Astronomical Almanac, 3rd ed.
-/// (2013), 15.11.3 (Julian day of a Gregorian date).
+/// Days from 1970-01-01 to a date.
 fn days(date: &str, notation: &Notation) -> Option<f64> {
     let date = date.trim_end_matches([',', '.']);
     let mark = ['.', '-', '/'].into_iter().find(|mark| date.contains(*mark))?;
     let parts: Vec<&str> = date.split(mark).collect();
     let [first, second, third] = parts[..] else { return None };
-    let (year, month, day) = match (first.len(), third.len()) {
+    let (year, month, day_of_month) = match (first.len(), third.len()) {
         (4, _) => (first, second, third),
         (_, 4) if mark == '.' || notation.is_day_first => (third, second, first),
         (_, 4) => (third, first, second),
-        _ => return None,
+        _ => return notation.short.as_ref()?.0.days(date),
     };
-    let (y, m, d) = (year.parse::<i64>().ok()?, month.parse::<i64>().ok()?, day.parse::<i64>().ok()?);
+    day(year.parse().ok()?, month.parse().ok()?, day_of_month.parse().ok()?)
+}
+
+/// Days from 1970-01-01 to a date, if there is this date. *Source*: Richards, Explanatory Supplement to the Astronomical Almanac, 3rd ed.
+/// (2013), 15.11.3 (Julian day of a Gregorian date).
+fn day(y: i64, m: i64, d: i64) -> Option<f64> {
     let is_leap = y % 4 == 0 && (y % 100 != 0 || y % 400 == 0);
     let long = [31, if is_leap { 29 } else { 28 }, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
     if !(1..=MONTHS).contains(&m) || !(1..=long[m as usize - 1]).contains(&d) {
@@ -184,6 +206,37 @@ fn zoned(text: &str, clock: &dyn Fn(&str) -> Option<f64>) -> Option<f64> {
             Some(clock(time.trim_end())? - sign * (HOUR * of(hours)? + MINUTE * of(minutes)?))
         }
     }
+}
+
+/// Names of the units of a spelled time, seconds of each, and how many of it the next greater one has. Definition: of the units.
+const SPELLED: [(&[&str], f64, f64); 4] = [
+    (&["d"], DAY, f64::INFINITY),
+    (&["h", "hr"], HOUR, 24.0),
+    (&["m", "min"], MINUTE, 60.0),
+    (&["s", "sec"], 1.0, 60.0),
+];
+
+/// Seconds of two or more numbers with their units, the greatest first: 0h12m34.5s, 1 h 02 min, PT1H2M3S (ISO 8601). One number alone is a
+/// reading with a unit.
+fn spelled(cell: &str) -> Option<f64> {
+    let text = cell.trim().to_ascii_lowercase().replace(',', ".");
+    let bare = text.strip_prefix('p').map(|period| period.replacen('t', "", 1));
+    let mut rest = bare.as_deref().unwrap_or(&text);
+    let (mut units, mut seconds, mut count) = (SPELLED.iter(), 0.0, 0);
+    while !rest.is_empty() {
+        let (number, behind) = rest.split_at(rest.find(|c: char| !c.is_ascii_digit() && c != '.')?);
+        let behind = behind.trim_start();
+        let end = behind.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(behind.len());
+        let (name, behind) = behind.split_at(end);
+        let (_, size, most) = units.find(|(names, ..)| names.contains(&name))?;
+        let value: f64 = number.parse().ok()?;
+        rest = behind.trim_start();
+        if count > 0 && value >= *most || value.fract() != 0.0 && !rest.is_empty() {
+            return None;
+        }
+        (seconds, count) = (seconds + size * value, count + 1);
+    }
+    (count > 1).then_some(seconds)
 }
 
 /// Seconds of h:m:s, h:m:s with three or six decimals behind another colon, h:m or m:s.
@@ -308,7 +361,7 @@ mod tests {
         // A fraction anywhere in the file: minutes and seconds.
         assert_eq!(seconds(&["0:07", "0:07.5", "75:00"]), [7.0, 7.5, 4500.0]);
         let note = |cells: &[&str]| {
-            Notation::of((2..).zip(cells.iter().map(|cell| (*cell).to_owned()))).unwrap().note()
+            Notation::of((2..).zip(cells.iter().map(|cell| (*cell).to_owned()))).unwrap().notes().pop()
         };
         assert!(
             note(&["0:00", "0:07", "0:08"])
@@ -316,5 +369,68 @@ mod tests {
                 .starts_with("time_s = 0:07 is read as hours and minutes")
         );
         assert_eq!((note(&["0:07.5"]), note(&["0:00:07"]), note(&["2027-02-25 10:00"])), (None, None, None));
+    }
+    /// Numbers with units in any notation; not one number alone, not in another order, not beyond the next unit.
+    #[test]
+    fn times_with_the_names_of_their_units() {
+        for (cell, seconds) in [
+            ("2h07m09s", 7629.0),
+            ("2h07m", 7620.0),
+            ("75m30,5s", 4530.5),
+            ("0 h 3 min 4.25 sec", 184.25),
+            ("1d2h", 93_600.0),
+            ("PT2H7M9S", 7629.0),
+            ("P1DT2H", 93_600.0),
+        ] {
+            assert_eq!(Stamp::of(cell, &Notation::default()), Some(Stamp::Clock(seconds)), "{cell}");
+        }
+        for cell in
+            ["7m", "9s", "7m2h", "2h07m60s", "2h60m", "2.5h07m", "2h7", "2h7x", "hm", "2h2h", "-1h02m", "PT"]
+        {
+            assert_eq!(Stamp::of(cell, &Notation::default()), None, "{cell}");
+        }
+    }
+
+    #[test]
+    fn years_of_two_digits() {
+        let days = |cells: &[&str]| -> Vec<f64> {
+            let of = |stamp: Option<Stamp>| match stamp {
+                Some(Stamp::Date(seconds)) => seconds / DAY,
+                other => panic!("{other:?} of {cells:?}"),
+            };
+            stamps(cells).unwrap().into_iter().map(of).collect()
+        };
+        let day = |y: i64, m: i64, d: i64| super::day(y, m, d).unwrap();
+        // One order has all dates, or lets the file last no more than days.
+        for (cells, expected) in [
+            (&["02/28/27 0:00"][..], day(2027, 2, 28)),
+            (&["31.12.98 0:00"], day(1998, 12, 31)),
+            (&["98-12-31 0:00"], day(1998, 12, 31)),
+            (&["27-2-3 0:00"], day(2027, 2, 3)),
+            (&["07.02.27 0:00", "08.02.27 0:00"], day(2027, 2, 7)),
+            (&["07/02/09 0:00", "08/02/09 0:00"], day(2009, 2, 7)),
+            (&["07/02/09 0:00", "07/04/09 0:00"], day(2009, 7, 2)),
+            (&["07-02-09 0:00", "07-02-10 0:00"], day(2007, 2, 9)),
+            (&["27.02.09 23:00", "27.02.10 1:00"], day(2027, 2, 9)),
+        ] {
+            assert_eq!(days(cells)[0].floor(), expected, "{cells:?}");
+        }
+        // With points, the usual order and a note; the time within a file does not depend on it.
+        assert_eq!(days(&["07.02.09 12:00"]), [day(2009, 2, 7) + 0.5]);
+        let notes = |cell: &str| Notation::of(std::iter::once((2, cell.to_owned()))).unwrap().notes();
+        assert!(
+            notes("07.02.09 12:00")[0].starts_with("time_s = 07.02.09 12:00 is read as day, month and year")
+        );
+        assert!(notes("31.12.98 0:00").is_empty());
+        for (cells, part) in [
+            (&["23/11/26 10:00"][..], "time_s = 23/11/26 10:00: no date of the file shows which"),
+            (&["07-02-09 0:00"], "write 2026-11-23, or day first 23.11.26"),
+        ] {
+            let (line, sentence) = stamps(cells).unwrap_err();
+            assert!(line == 2 && sentence.contains(part), "{sentence}");
+        }
+        for cells in [&["31.02.31 0:00"][..], &["13/04/27 0:00", "04/14/27 0:00"], &["7.2.9 0:00"]] {
+            assert_eq!(stamps(cells).unwrap()[0], None, "{cells:?}");
+        }
     }
 }

@@ -101,10 +101,12 @@ impl Table {
                 ));
             }
         }
+        let mut all: Vec<_> = std::iter::once(&mut time_source).chain(sources.iter_mut().flatten()).collect();
+        let above = unit_row::above(&text.above(), &mut all).map_err(|(line, message)| at(line, message))?;
+        table.notes.extend(above.map(|(line, note)| format!("{file}: line {line} {note}")));
         let units = match text.rows().next() {
             Some(Ok(Row { line, cells })) => {
-                let all = std::iter::once(&mut time_source).chain(sources.iter_mut().flatten()).collect();
-                let note = unit_row::read(&cells, all).map_err(|message| at(line, message))?;
+                let note = unit_row::below(&cells, &mut all).map_err(|message| at(line, message))?;
                 table.notes.extend(note.iter().map(|note| format!("{file}: line {line} {note}")));
                 note.map(|_| cells)
             }
@@ -114,7 +116,7 @@ impl Table {
         let stamps = text.rows().flatten().filter(|row| !is_units(&row.cells));
         let notation = Notation::of(stamps.map(|row| (row.line, row.cells[time_source.place].to_owned())))
             .map_err(|(line, message)| at(line, message))?;
-        table.notes.extend(notation.note().map(|note| format!("{file}: {note}")));
+        table.notes.extend(notation.notes().iter().map(|note| format!("{file}: {note}")));
         let mut words: Vec<Words> = vec![Words::default(); wanted.len()];
         let (mut repeated, mut midnights, mut before) = (0, 0.0, None);
         let mut last: Option<Instant> = None;

@@ -115,6 +115,36 @@ fn files_of_loggers_are_read_with_notes() {
     assert_eq!((table.time[1], table.columns[1][0], table.notes), (250.0, 573.15, vec![]));
 }
 
+/// A row of units above the header, also behind a label and other lines; a title with words that are units is none.
+#[test]
+fn units_above_the_header() {
+    let rows = "0;1500;300\n250;1600;301\n";
+    for before in ["ms;mA;K\n", "Rig\n[ms];;[K]\n", "# (ms);(mA);(K)\n", "A;K;mA\nms;mA;K\nRun 7;;\n"] {
+        let table = logged(&format!("{before}t;I;Tw\n{rows}")).unwrap();
+        assert_eq!((table.time[1], table.columns[0][0], table.columns[1][0]), (0.25, 1.5, 300.0), "{before}");
+        let line = if before.contains('\n') && !before.starts_with(['m', '#']) { 2 } else { 1 };
+        let note = format!(
+            "log.txt: line {line} is a row of units and is skipped; it gives time_s in ms, winding_temperature_degC in K"
+        );
+        assert!(table.notes.contains(&note), "{:?}", table.notes);
+    }
+    let labelled = logged(&format!("Y_Unit_Label;mA;K\nX0;0;0\nt;I;Tw\n{rows}")).unwrap();
+    assert_eq!((labelled.time[1], labelled.columns[1][0]), (250.0, 300.0));
+    for before in ["K;;\n", "V;A;m\n", "SN;A7;K20\n", "1;mA;K\n", "ms;Strom;T\n", "s;mA;K;V\n"] {
+        let table = logged(&format!("{before}t;I;Tw\n{rows}")).unwrap();
+        assert_eq!((table.time[1], table.columns[1][0]), (250.0, 573.15), "{before}: {:?}", table.notes);
+    }
+    for (text, parts) in [
+        ("s;A;K\nt;I;Tw\n0;1;20\n1;1;20\n", ["log.txt:1:", "A for current_A", "states mA"]),
+        ("rpm;mA;K\nt;I;Tw\n0;1;20\n1;1;20\n", ["log.txt:1:", "rpm for time_s", "no unit of it"]),
+        ("ms;mA;K\nt;I;Tw\ns;mA;K\n0;1;20\n1;1;20\n", ["log.txt:3:", "s for time_s", "states ms"]),
+        ("s;mA;K\nt;I;Tw\nms;mA;K\n0;1;20\n1;1;20\n", ["log.txt:3:", "ms for time_s", "states s"]),
+    ] {
+        let sentence = logged(text).unwrap_err();
+        assert!(parts.iter().all(|part| sentence.contains(part)), "{sentence}");
+    }
+}
+
 /// Numbers with their unit, a typographic minus, and text of an open sensor.
 #[test]
 fn cells_with_units_and_text() {

@@ -1,32 +1,53 @@
-//! A row of units below the header, as many loggers write it: `s;mA;degC`, `[s];[mA];[degC]`.
+//! A row of units below or above the header, as many loggers write it: `s;mA;degC`, `[s];[mA];[degC]`, `Y_Unit_Label;V;A`.
 
 use super::source::Source;
+use crate::experiment::columns::TIME;
 use crate::experiment::stamp::{Notation, Stamp};
 use crate::experiment::units::{self, FileUnit};
-use delimited::StringRecord;
+use delimited::{Row, StringRecord};
 use physics::declare::Unit;
 
 /// Greatest relative difference of two equal units. Numerical: rounding of products of factors.
 const SAME: f64 = 1e-9;
 
-/// Takes the units of the row below the header, if it is a row of units. A stated unit must agree; a unit that is not stated is taken
-/// from the row. The result is the rest of a note.
+/// Takes the units of the row below the header, if it is a row of units. The result is the rest of a note.
 ///
 /// # Errors
 /// One sentence if the row contradicts the experiment or has no unit of the quantity.
-pub fn read(cells: &StringRecord, sources: Vec<&mut Source>) -> Result<Option<String>, String> {
-    if !is_unit_row(cells, &sources) {
-        return Ok(None);
-    }
+pub fn below(cells: &StringRecord, sources: &mut [&mut Source]) -> Result<Option<String>, String> {
+    if is_unit_row(cells, sources) { take(cells, sources).map(Some) } else { Ok(None) }
+}
+
+/// Takes the units of the nearest line above the header that is a row of units. The result is its line and the rest of a note.
+///
+/// # Errors
+/// The line and one sentence, as [`below`].
+pub fn above(rows: &[Row], sources: &mut [&mut Source]) -> Result<Option<(u64, String)>, (u64, String)> {
+    // A title, a name or a serial number may look like a unit: most of the cells have to be units of their columns.
+    let is_row = |row: &&Row| {
+        let channels = sources.iter().filter(|source| source.column != TIME);
+        let named = || channels.clone().filter(|s| !bare(&row.cells[s.place]).is_empty());
+        let fitting = named().filter(|s| units::by_name(s.si, bare(&row.cells[s.place])).is_some()).count();
+        is_unit_row(&row.cells, sources)
+            && 2 * named().count() >= channels.clone().count()
+            && 2 * fitting > named().count()
+    };
+    let Some(row) = rows.iter().find(is_row) else { return Ok(None) };
+    let note = take(&row.cells, sources).map_err(|message| (row.line, message))?;
+    Ok(Some((row.line, note)))
+}
+
+/// Takes the units of a row. A stated unit must agree; a unit that is not stated is taken from the row, and is stated by it.
+fn take(cells: &StringRecord, sources: &mut [&mut Source]) -> Result<String, String> {
     let mut taken = Vec::new();
     for source in sources {
         let name = bare(&cells[source.place]);
         let column = source.column;
-        if name.is_empty() {
+        if name.is_empty() || column == TIME && is_label(name) {
             continue;
         }
         match units::by_name(source.si, name) {
-            Some(unit) if same(unit, source.unit) => {}
+            Some(unit) if same(unit, source.unit) => source.is_stated = true,
             Some(_) if source.is_stated => {
                 return Err(format!(
                     "the row of units has {name} for {column}, but the experiment or the header states {}: correct the unit that is wrong",
@@ -35,7 +56,7 @@ pub fn read(cells: &StringRecord, sources: Vec<&mut Source>) -> Result<Option<St
             }
             Some(unit) => {
                 taken.push(format!("{column} in {name}"));
-                (source.unit, source.unit_name) = (unit, name.to_owned());
+                (source.unit, source.unit_name, source.is_stated) = (unit, name.to_owned(), true);
             }
             // An unknown spelling of a unit that is stated.
             None if source.is_stated && !units::is_unit(source.si, name) => {}
@@ -48,7 +69,7 @@ pub fn read(cells: &StringRecord, sources: Vec<&mut Source>) -> Result<Option<St
         }
     }
     let taken = if taken.is_empty() { String::new() } else { format!("; it gives {}", taken.join(", ")) };
-    Ok(Some(format!("is a row of units and is skipped{taken}")))
+    Ok(format!("is a row of units and is skipped{taken}"))
 }
 
 /// Whether two units convert in the same way.
@@ -68,6 +89,12 @@ fn is_unit_row(cells: &StringRecord, sources: &[&mut Source]) -> bool {
         !name.is_empty() && units::is_unit(source.si, name)
     };
     !sources.iter().any(|source| is_value(source)) && sources.iter().any(|source| is_unit(source))
+}
+
+/// Whether a cell in the column of the time says what the row has: `Y_Unit_Label`, `Units:`, `Einheit`.
+fn is_label(cell: &str) -> bool {
+    let cell = cell.to_lowercase();
+    ["unit", "einheit"].iter().any(|word| cell.contains(word))
 }
 
 /// A unit without brackets; nothing for a dash.

@@ -4,7 +4,7 @@ use super::super::ambient;
 use super::conversions::{SIGN, type_mistakes, unit_mistakes};
 use super::filters::{without_coupling, without_lag};
 use super::supply::Supply;
-use crate::experiment::{CELSIUS, Channel, Experiment, Start};
+use crate::experiment::{CELSIUS, Channel, Experiment, LONGEST_RUN, Start};
 use crate::levels::{FACTOR, PART};
 use physics::declare::Unit;
 
@@ -363,9 +363,6 @@ const TIMES: [(f64, &str); 8] = [
     (1e-2, "1/100 s"),
     (1.0 / 60.0, "1/60 s"),
 ];
-
-/// Longest run of a bench, s. Limit: thirty days; readings that would last longer are in a shorter unit.
-pub(super) const LONGEST_RUN: f64 = 30.0 * 86_400.0;
 
 /// Mistakes of thermocouples that share a logger. A small factor of a single one is also that of a stem loss of another one.
 fn of_thermocouples(columns: &[usize]) -> Vec<Mistake> {

@@ -1,10 +1,10 @@
 //! A time in a shorter unit than that of its column.
 
-use super::mistakes::{LONGEST_RUN, Mistake, mistakes};
+use super::mistakes::{Mistake, mistakes};
 use super::search::{FALL, spoils};
 use super::{Judge, MOST_OFF, Unusable, cost::fitted, score, worst};
 use crate::CalibrateError;
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, LONGEST_RUN};
 use crate::levels::{PART, SMALL};
 
 /// Factor of time below which a preset of another size is no explanation. Limit: time constants of motors differ by tens, not by hundreds.
