@@ -61,7 +61,7 @@ def scaled(column, factor):
 
 
 def paused(seconds, at):
-    """The logger stands still, and its times go on without the pause."""
+    """The logger pauses, and its times go on without the pause."""
 
     def change(read):
         time = read["time_s"]

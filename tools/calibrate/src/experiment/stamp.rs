@@ -424,7 +424,7 @@ mod tests {
         assert!(notes("31.12.98 0:00").is_empty());
         for (cells, part) in [
             (&["23/11/26 10:00"][..], "time_s = 23/11/26 10:00: no date of the file shows which"),
-            (&["07-02-09 0:00"], "write 2026-11-23, or day first 23.11.26"),
+            (&["07-02-09 0:00"], "write 2026-11-23, or day, month and year with points"),
         ] {
             let (line, sentence) = stamps(cells).unwrap_err();
             assert!(line == 2 && sentence.contains(part), "{sentence}");

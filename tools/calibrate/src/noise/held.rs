@@ -4,6 +4,9 @@ use super::{FIRST, MOVES, ON_STEP};
 use crate::levels::NEARLY;
 use crate::numbers::median;
 
+/// Rows above which an interval is more than one. Derivation: intervals are whole numbers of rows; this is between one and two.
+const LONGER: f64 = 1.5;
+
 /// Which readings repeat an earlier one, if a logger with sample-and-hold has a new one at a constant interval of 2 to `longest` rows. A new
 /// reading may be equal to the one before.
 pub fn held(time: &[f64], values: &[f64], longest: usize) -> Option<Vec<bool>> {
@@ -22,8 +25,8 @@ fn lattice(changes: &[f64], row: f64) -> Option<(f64, f64)> {
     let mut gaps: Vec<f64> = changes.windows(2).map(|w| w[1] - w[0]).collect();
     gaps.sort_by(f64::total_cmp);
     // A gap may be longer by the samples that repeat the one before, and any by the rounding to rows.
-    let shortest = *gaps.get((FIRST * gaps.len() as f64) as usize).filter(|gap| **gap > 1.5 * row)?;
-    let single: Vec<f64> = gaps.iter().copied().filter(|gap| *gap < shortest + 1.5 * row).collect();
+    let shortest = *gaps.get((FIRST * gaps.len() as f64) as usize).filter(|gap| **gap > LONGER * row)?;
+    let single: Vec<f64> = gaps.iter().copied().filter(|gap| *gap < shortest + LONGER * row).collect();
     let mut period = single.iter().sum::<f64>() / single.len() as f64;
     let mut places = vec![0.0];
     for pair in changes.windows(2) {
@@ -41,7 +44,7 @@ fn lattice(changes: &[f64], row: f64) -> Option<(f64, f64)> {
     let off = |(place, t): (&f64, &f64)| (t - start - period * place).abs();
     let near = places.iter().zip(changes).filter(|pair| off(*pair) <= (0.5 + ON_STEP) * row).count();
     let is_regular = near as f64 >= NEARLY * changes.len() as f64 && changes.len() >= MOVES;
-    (is_regular && period > 1.5 * row).then_some((start, period))
+    (is_regular && period > LONGER * row).then_some((start, period))
 }
 
 /// Which readings repeat the one before, if a sensor that is finer than its changes repeats nearly all of them: it is read less often than the
@@ -72,7 +75,7 @@ mod tests {
     fn readings(time: &[f64], noise: f64) -> Vec<f64> {
         let mut rng = rng(5);
         let mut at = 20.0;
-        let heated = |t: f64| if (t / 400.0) as usize % 2 == 0 { 60.0 } else { 0.0 };
+        let heated = |t: f64| if ((t / 400.0) as usize).is_multiple_of(2) { 60.0 } else { 0.0 };
         time.windows(2)
             .map(|w| {
                 at += (w[1] - w[0]) * (heated(w[0]) - (at - 20.0)) / 90.0;

@@ -163,6 +163,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
             errors: vec![(Role::Fit, 0.7)],
         }],
         is_cut: false,
+        left_out: None,
         notes: vec![
             "run-1.csv: housing_temperature_degC reads -40 degC and is set aside as dead".to_owned(),
             "iron_loss acts in some runs only; thermal.C_w = 5.00 J/K is at its limit".to_owned(),

@@ -20,7 +20,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("calibrate", &["physics", "terms", "least-squares", "units", "delimited"]),
     ("present", &[]),
     ("cosim", &["present", "units", "delimited"]),
-    ("archive", &["describe", "cosim", "terms", "present"]),
+    ("archive", &["describe", "cosim", "terms", "present", "units"]),
     ("study", &["physics", "describe", "present", "least-squares", "units", "delimited"]),
     ("cli", &["calibrate", "cosim", "archive", "study", "describe", "present", "units", "delimited"]),
     ("page", &["study", "describe", "present"]),

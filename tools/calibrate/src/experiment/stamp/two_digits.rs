@@ -35,7 +35,7 @@ impl Dates {
     ///
     /// # Errors
     /// Line and sentence if there are several orders.
-    pub fn order(&self) -> Result<Option<(Order, Option<String>)>, (u64, String)> {
+    pub fn order(&self) -> Result<Option<Decided>, (u64, String)> {
         let Some((line, first)) = self.0.first() else { return Ok(None) };
         let has_points = parts(first).is_some_and(|(mark, _)| mark == '.');
         let days =
@@ -59,13 +59,16 @@ impl Dates {
             _ => Err((
                 *line,
                 format!(
-                    "time_s = {first}: no date of the file shows which of the numbers are day, month and year; write 2026-11-23, or day \
-                     first 23.11.26"
+                    "time_s = {first}: no date of the file shows which of the numbers are day, month and year; write 2026-11-23, or day, \
+                     month and year with points"
                 ),
             )),
         }
     }
 }
+
+/// An order, and a note if it is the usual one of several.
+type Decided = (Order, Option<String>);
 
 impl Order {
     /// Days from 1970-01-01 to the date of a cell.
