@@ -11,6 +11,7 @@ use crate::hypothesis::{Addition, Hypothesis};
 use crate::instruments;
 use crate::levels::{AT_NOISE, DECISIVE, PART, STRUCTURE, SURE};
 use crate::linearization::Linearization;
+use crate::one_gain;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Whiteness};
 use crate::parallel;
 use crate::prediction;
@@ -178,7 +179,10 @@ pub fn outcome(
     {
         notes.retain(|note| *note != odd.note);
     }
-    notes.extend(comparison::notes(&errors, &boxes, judged.verdict));
+    match wrong_tests(setup, &hypothesis, &errors) {
+        wrong if wrong.is_empty() => notes.extend(comparison::notes(&errors, &boxes, judged.verdict)),
+        wrong => notes.extend(wrong),
+    }
     let added =
         hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped).map(move |n| (a, n)));
     let names: Vec<String> = setup
@@ -238,6 +242,31 @@ pub fn outcome(
 fn describes_all_runs(found: &Hypothesis, errors: &[ChannelError]) -> bool {
     errors.iter().all(|e| e.role == Role::Test || e.unexplained().is_none())
         && found.additions.iter().all(Addition::is_in_every_run)
+}
+
+/// One sentence for each test file in which one channel is wrong: the model describes the fit and validation runs, and that file with another
+/// gain.
+fn wrong_tests(setup: &Setup, found: &Hypothesis, errors: &[ChannelError]) -> Vec<String> {
+    let is_left = |role: Role| errors.iter().any(|e| e.role == role && e.unexplained().is_some());
+    if !is_left(Role::Test) || is_left(Role::Fit) || is_left(Role::Validate) {
+        return Vec::new();
+    }
+    let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
+    for run in setup.runs(Role::Test) {
+        let file = setup.experiment.runs[run].file.as_str();
+        match files.iter_mut().find(|(known, _)| *known == file) {
+            Some((_, runs)) => runs.push(run),
+            None => files.push((file, vec![run])),
+        }
+    }
+    let of = |(file, runs): (&str, Vec<usize>)| {
+        let change = one_gain::of(setup, found, &runs)?;
+        Some(format!(
+            "{file} (test) disagrees with the fit and validation runs, which the model describes: it agrees if {}",
+            change.words
+        ))
+    };
+    files.into_iter().filter_map(of).collect()
 }
 
 /// One sentence about the disagreement between runs, if it is counted as noise.

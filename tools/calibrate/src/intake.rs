@@ -24,7 +24,6 @@ mod first_rows;
 mod gaps;
 mod misplaced;
 mod odd_file;
-mod one_gain;
 mod pulses;
 mod repeats;
 mod response;
@@ -423,4 +422,6 @@ pub fn mean_square(experiment: &Experiment, runs: &[usize], output: usize) -> (f
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
+#[cfg(test)]
+pub(crate) use odd_file::tests::three;

@@ -23,6 +23,7 @@
 //! | [`search`] | scores effects, laws over drivers, latent inputs, and laws with memory |
 //! | [`selection`] | stepwise selection: the best candidates are fitted, compared, and pass acceptance tests |
 //! | `input_error` | zero and gain of an input's instrument, as an explanation of what was found |
+//! | `one_gain` | the one gain or offset that makes a run agree with the others |
 //! | [`close_loop`] | the complete procedure and the verdict |
 //! | `blackbox`, `comparison` | black-box models of the same inputs, and where they predict better than the repaired model |
 //! | `beyond` | unfitted runs that leave the range of a law |
@@ -55,6 +56,7 @@ pub mod linearization;
 mod means;
 pub mod noise;
 mod numbers;
+mod one_gain;
 pub mod outcome;
 pub mod overrides;
 mod parallel;

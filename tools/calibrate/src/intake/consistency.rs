@@ -47,13 +47,14 @@ mod time;
 mod unmeasured;
 pub mod wrapped;
 
-use super::{Predicted, Unusable, one_gain};
+use super::{Predicted, Unusable};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Run, Start};
 use crate::hypothesis::Hypothesis;
 use crate::levels::{CERTAIN, FACTOR, NEARLY, SAMPLES, STRUCTURE};
 use crate::means::Division;
+use crate::one_gain;
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 pub use mistakes::Mistake;
@@ -370,7 +371,7 @@ fn is_of_another_channel(
     runs: &[usize],
     found: &Found,
 ) -> Result<bool, CalibrateError> {
-    let change = one_gain::likely(experiment, whole.preset, runs, &whole.deadline)?;
+    let change = one_gain::beside_others(experiment, whole.preset, runs, &whole.deadline)?;
     let touched = found.why.mistake.as_ref().map_or(Vec::new(), |mistake| mistake.touches());
     Ok(change.is_some_and(|change| !touched.contains(&change.column)))
 }

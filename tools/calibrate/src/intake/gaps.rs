@@ -29,11 +29,13 @@ use crate::noise;
 /// an error of the model shows, are more than the rest.
 const USUAL: f64 = 0.95;
 
-/// Readings on either side of a pause that are compared. Numerical: in three rows a temperature hardly moves.
-const BESIDE: usize = 3;
-/// Part of the difference between the means of [`BESIDE`] readings that is due to one row. Derivation: 1 of a jump, 1/3 of a ramp, which a
-/// change of the load makes; this is the middle.
-const SHARP: f64 = 2.0 / 3.0;
+/// Readings on either side of a pause that are compared. Numerical: in five rows a housing hardly moves, and their mean has half of the noise.
+const BESIDE: usize = 5;
+/// Quantile of the changes of a deviation that a pause exceeds. Derivation: changes of the load are more than one in a hundred rows, pauses are
+/// fewer.
+const MOST: f64 = 0.99;
+/// Rows on either side of the greatest difference in which the step is. Numerical: the noise moves the greatest difference by a row.
+const NEAREST: usize = 3;
 
 /// A gap to end a run at.
 #[derive(Clone, Copy)]
@@ -160,14 +162,22 @@ fn pauses(experiment: &Experiment, predicted: &Predicted, nodes: &[usize], run: 
         means(row, off).abs() / (sigma * (2.0 / BESIDE as f64).sqrt())
     };
     let of = |row: usize| read.iter().map(|one| jump(row, one)).fold(f64::INFINITY, f64::min);
-    let rows = (BESIDE..time.len().saturating_sub(BESIDE + 1)).map(|row| (row, of(row)));
+    let rows = (BESIDE + NEAREST..time.len().saturating_sub(BESIDE + NEAREST)).map(|row| (row, of(row)));
     let greatest = rows.filter(|(_, z)| z.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
     let (row, _) = greatest.filter(|(_, z)| read.len() > 1 && *z > least)?;
     let change = |row: &usize| -> f64 {
         read.iter().map(|(off, sigma)| (off[row + 1] - off[*row]).abs() / sigma).sum()
     };
-    let row = (row + 1 - BESIDE..row + BESIDE).max_by(|a, b| change(a).total_cmp(&change(b)))?;
-    read.iter().all(|(off, _)| (off[row + 1] - off[row]).abs() > SHARP * means(row, off).abs()).then_some(row)
+    let row = (row + 1 - NEAREST..row + NEAREST).max_by(|a, b| change(a).total_cmp(&change(b)))?;
+    // What the model lacks moves all thermometers as well where the load changes, and does so again at the next change.
+    let is_single = |(off, _): &(Vec<f64>, f64)| {
+        let rows =
+            (BESIDE..time.len().saturating_sub(BESIDE)).filter(|other| other.abs_diff(row) > 2 * BESIDE);
+        let changes = sorted(rows.map(|row| means(row, off).abs()));
+        let most = changes.get((MOST * changes.len() as f64) as usize).copied().unwrap_or(f64::INFINITY);
+        means(row, off).abs() > FACTOR * most
+    };
+    read.iter().any(is_single).then_some(row)
 }
 
 /// What is usual of the changes of a deviation within some seconds, in all runs.

@@ -10,12 +10,13 @@
 //! *Source*: leave-one-out deletion diagnostics, Cook, Technometrics 19 (1977) 15-18.
 
 use super::consistency::{ROWS, files, thinned};
-use super::{Unusable, clocks, one_gain};
+use super::{Unusable, clocks};
 use crate::CalibrateError;
 use crate::comparison::digits;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, OddFile, Role};
 use crate::levels::{AT_NOISE, SMALL};
+use crate::one_gain;
 use crate::parallel;
 use crate::setup::Setup;
 
@@ -36,7 +37,7 @@ pub fn check(
     let unusable = clocks::in_runs(experiment, &runs, preset, deadline)?;
     if unusable.is_none() && experiment.notes.len() == known {
         let name = experiment.runs[runs[0]].file.clone();
-        let cause = match one_gain::likely(&thinned(experiment, ROWS), preset, &runs, deadline)? {
+        let cause = match one_gain::beside_others(&thinned(experiment, ROWS), preset, &runs, deadline)? {
             Some(change) => format!("it agrees with them if {}", change.words),
             None => "either it shows what the others do not, or one of its channels is wrong, or it is of another motor".to_string(),
         };
@@ -78,12 +79,12 @@ fn found(
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::intake::tests::{CURRENT, HOUSING, SPEED, TORQUE, WINDING, with_inputs};
 
     /// Three files with other loads; one column of one of them is changed by row and reading.
-    pub fn three(odd: usize, column: usize, change: impl Fn(usize, f64) -> f64) -> Experiment {
+    pub(crate) fn three(odd: usize, column: usize, change: impl Fn(usize, f64) -> f64) -> Experiment {
         let loads = [[0.0, 4.0, 1.5, 6.0, 3.0], [5.0, 0.0, 2.0, 4.0, 1.0], [2.0, 5.0, 0.0, 3.0, 6.0]];
         let all = loads.iter().zip(71..).map(|(loads, seed)| {
             with_inputs(seed, |columns| {

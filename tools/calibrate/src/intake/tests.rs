@@ -8,14 +8,14 @@ const PRIORS: &str = "\"motor.R_ref\" = 0.05\n\"motor.k_t\" = 0.05\n\"thermal.R_
                       \"conductance.G_still\" = 0.2\n\"thermal.C_h\" = 0.2\n\"conductance.G_forced\" = 0.2";
 /// Noise of inputs and outputs, SI units.
 const SIGMA: [f64; 8] = [0.004, 0.3, 0.0, 0.02, 0.02, 6e-4, 0.1, 0.1];
-pub(super) const CURRENT: usize = 0;
-pub(super) const SPEED: usize = 1;
-pub(super) const FAN: usize = 2;
-pub(super) const AMBIENT: usize = 3;
-pub(super) const VOLTAGE: usize = 4;
-pub(super) const TORQUE: usize = 5;
-pub(super) const WINDING: usize = 6;
-pub(super) const HOUSING: usize = 7;
+pub(crate) const CURRENT: usize = 0;
+pub(crate) const SPEED: usize = 1;
+pub(crate) const FAN: usize = 2;
+pub(crate) const AMBIENT: usize = 3;
+pub(crate) const VOLTAGE: usize = 4;
+pub(crate) const TORQUE: usize = 5;
+pub(crate) const WINDING: usize = 6;
+pub(crate) const HOUSING: usize = 7;
 
 /// One run of 1200 rows of 3 s with steps of current, speed and fan; the readings are those of a specimen that differs from the preset.
 pub(super) fn experiment(seed: u64) -> Experiment {
@@ -23,7 +23,7 @@ pub(super) fn experiment(seed: u64) -> Experiment {
 }
 
 /// The same with modified inputs.
-pub(super) fn with_inputs(seed: u64, change: impl Fn(&mut [Vec<f64>])) -> Experiment {
+pub(crate) fn with_inputs(seed: u64, change: impl Fn(&mut [Vec<f64>])) -> Experiment {
     let mut experiment = testing::experiment(PRIORS, true);
     experiment.noise.clear();
     let rows = 1200;

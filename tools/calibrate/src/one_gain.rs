@@ -1,22 +1,23 @@
-//! The one channel whose gain or offset makes the odd file agree with the motor of the others.
+//! The one channel whose gain or offset makes runs agree with a motor that describes the others.
 //!
-//! The declared parameters are those of the other files. In the odd file,
+//! In these runs,
 //!
 //! ```text
-//! output:  y = g p                    input:  u' = g u                    ambient temperature:  T' = T + d              (1)
+//! output:  y = g p                    input:  u' = g u  or  u' = u + d          ambient temperature:  T' = T + d          (1)
 //! ```
 //! with the prediction p of an output; g of an output by least squares, g of an input and d by search. A command that was not executed is an
-//! input with g = 0. A change is named if it leaves less than a tenth of the file's mean square error beyond the noise.
+//! input with g = 0. A change is named if it leaves less than a tenth of their mean square error beyond the noise.
 
 use crate::CalibrateError;
 use crate::comparison::digits;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role};
-use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
 use crate::levels::{AT_NOISE, SMALL};
 use crate::setup::{Setup, Shown};
+use crate::simulate::Drive;
 use physics::declare::Unit;
+use std::sync::Arc;
 
 /// Gains of an input at which the search begins. Numerical: between two of them the error has one minimum.
 const GAINS: [f64; 17] =
@@ -25,6 +26,8 @@ const GAINS: [f64; 17] =
 const NEGATIVE: usize = 2;
 /// Offsets of the ambient temperature at which the search begins, K. Limit: a bench is in a room.
 const OFFSETS: [f64; 10] = [-20.0, -10.0, -5.0, -2.5, -1.0, 1.0, 2.5, 5.0, 10.0, 20.0];
+/// Zeros of an input at which the search begins, as parts of its largest reading. Numerical: between two of them the error has one minimum.
+const SHARES: [f64; 8] = [-0.5, -0.2, -0.08, -0.03, 0.03, 0.08, 0.2, 0.5];
 /// Halvings of the distance to the next of them. Numerical: a gain is then known to 1 %.
 const HALVINGS: usize = 6;
 
@@ -38,11 +41,12 @@ pub struct Change {
     left: f64,
 }
 
-/// The change of one channel with which these runs agree with the others; `None` if no single channel does it.
+/// The change of one channel with which these runs agree with the motor of the other fit and validation runs, by the declared parameters
+/// alone; `None` if no single channel does it.
 ///
 /// # Errors
 /// An experiment whose model cannot be set up.
-pub(super) fn likely(
+pub fn beside_others(
     experiment: &Experiment,
     preset: &[(u32, f64)],
     runs: &[usize],
@@ -52,36 +56,40 @@ pub(super) fn likely(
     let is_other =
         |run: &usize| matches!(experiment.runs[*run].role, Role::Fit | Role::Validate) && !runs.contains(run);
     let others: Vec<usize> = (0..experiment.runs.len()).filter(is_other).collect();
-    let Ok(Fitted { hypothesis, .. }) = setup.fit(setup.preset(), &others) else { return Ok(None) };
-    let odd = Odd { setup, preset, runs, hypothesis };
-    let Ok(shown) = odd.setup.show(&odd.hypothesis, runs) else { return Ok(None) };
-    let before = odd.excess(&odd.setup, &shown, None);
+    let fitted = setup.fit(setup.preset(), &others);
+    Ok(fitted.ok().and_then(|fitted| of(&setup, &fitted.hypothesis, runs)))
+}
+
+/// The change of one channel with which these runs agree with a model that was fitted to others; `None` if no single channel does it.
+pub fn of(setup: &Setup, hypothesis: &Hypothesis, runs: &[usize]) -> Option<Change> {
+    let odd = Odd { setup, runs, hypothesis };
+    let shown = setup.show(hypothesis, runs).ok()?;
+    let before = odd.excess(&shown, None);
     let mut all = odd.outputs(&shown);
-    for input in 0..experiment.inputs.len() {
-        if deadline.is_near() {
-            return Ok(None);
+    for input in 0..setup.experiment.inputs.len() {
+        if setup.deadline().is_near() {
+            return None;
         }
         all.extend(odd.input(input));
     }
     let best = all.into_iter().min_by(|a, b| a.left.total_cmp(&b.left));
-    Ok(best.filter(|change| change.left < SMALL * before))
+    best.filter(|change| change.left < SMALL * before)
 }
 
-/// The odd file and the motor of the others.
+/// Runs that disagree, and the motor of the others.
 struct Odd<'a> {
-    setup: Setup<'a>,
-    preset: &'a [(u32, f64)],
+    setup: &'a Setup<'a>,
     runs: &'a [usize],
-    hypothesis: Hypothesis,
+    hypothesis: &'a Hypothesis,
 }
 
 impl Odd<'_> {
     /// Mean square error beyond the noise, in units of the noise, with the squares of an output in place of its own.
-    fn excess(&self, setup: &Setup, shown: &[Shown], other: Option<(usize, f64)>) -> f64 {
+    fn excess(&self, shown: &[Shown], other: Option<(usize, f64)>) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
-        for (k, (own, readings)) in setup.squares(self.runs, shown).into_iter().enumerate() {
+        for (k, (own, readings)) in self.setup.squares(self.runs, shown).into_iter().enumerate() {
             let square = other.filter(|(output, _)| *output == k).map_or(own, |(_, square)| square);
-            sum += square / setup.sigma(k).powi(2);
+            sum += square / self.setup.sensor_noise(k).powi(2);
             count += readings;
         }
         let excess = (sum / count.max(1) as f64 - 1.0).max(AT_NOISE - 1.0);
@@ -103,7 +111,7 @@ impl Odd<'_> {
         let of = |(k, (yy, yp, pp)): (usize, (f64, f64, f64))| {
             let gain = yp / pp;
             let is_one = outputs[k].is_temperature() || !(gain.is_finite() && gain != 0.0);
-            let left = self.excess(&self.setup, shown, Some((k, (yy - gain * yp) / (gain * gain))));
+            let left = self.excess(shown, Some((k, (yy - gain * yp) / (gain * gain))));
             let column = self.setup.experiment.place_of(k);
             let words = format!("{} is divided by {}", outputs[k].column, digits(gain));
             (!is_one).then_some(Change { column, words, left })
@@ -111,63 +119,80 @@ impl Odd<'_> {
         sums.into_iter().enumerate().filter_map(of).collect()
     }
 
-    /// An input with the gain, or the offset, that leaves least.
-    fn input(&self, input: usize) -> Option<Change> {
+    /// An input with each change that its instrument may need, and what is left then.
+    fn input(&self, input: usize) -> Vec<Change> {
         let channel = self.setup.experiment.inputs[input];
-        let is_offset = channel.is_temperature();
-        let changed = |x: f64| -> f64 {
-            let mut data = self.setup.experiment.clone();
-            for run in self.runs {
-                let column = &mut data.runs[*run].table.columns[input];
-                column.iter_mut().for_each(|u| *u = if is_offset { *u + x } else { *u * x });
+        let (column, unit) = (channel.column, channel.unit.name());
+        let added = |x: f64| format!("{} {unit} is added to {column}", digits(x));
+        if channel.is_temperature() {
+            return self.best(input, &OFFSETS, &|u, x| u + x, &added).into_iter().collect();
+        }
+        let is_command = channel.unit == Unit::One;
+        let scaled = |x: f64| match () {
+            () if x.abs() < SMALL * SMALL => {
+                format!("{column} was 0 throughout, whatever was commanded or read")
             }
-            let Ok(setup) = Setup::new(&data, self.preset) else { return f64::INFINITY };
-            // The noise of the data as they are.
-            let setup = Setup { noise: self.setup.noise.clone(), ..setup };
-            setup
-                .show(&self.hypothesis, self.runs)
-                .map_or(f64::INFINITY, |shown| self.excess(&setup, &shown, None))
+            () if is_command => format!("{column} acted as {} times its value", digits(x)),
+            () => format!("{column} is multiplied by {}", digits(x)),
         };
-        // A command has no sign that a wire could change.
-        let gains = if channel.unit == Unit::One { &GAINS[NEGATIVE..] } else { &GAINS };
-        let starts: &[f64] = if is_offset { &OFFSETS } else { gains };
+        // A command has no zero of its own, and no sign that a wire could change.
+        let gains = if is_command { &GAINS[NEGATIVE..] } else { &GAINS };
+        let gain = self.best(input, gains, &|u, x| u * x, &scaled);
+        let most = self.runs.iter().map(|run| self.setup.drives[*run].scale(input)).fold(0.0, f64::max);
+        let zeros = SHARES.map(|share| share * most);
+        let zero = self.best(input, &zeros, &|u, x| u + x, &added).filter(|_| !is_command);
+        gain.into_iter().chain(zero).collect()
+    }
+
+    /// The number with which a change of an input leaves least, between the first and the last of the starts, which ascend.
+    fn best(
+        &self,
+        input: usize,
+        starts: &[f64],
+        change: &dyn Fn(f64, f64) -> f64,
+        words: &dyn Fn(f64) -> String,
+    ) -> Option<Change> {
+        let changed = |x: f64| -> f64 {
+            let of = |drives: &[Drive]| -> Arc<Vec<Drive>> {
+                let all = drives.iter().enumerate().map(|(run, drive)| match self.runs.contains(&run) {
+                    true => drive.with_input(input, |_, u| change(u, x)),
+                    false => drive.clone(),
+                });
+                Arc::new(all.collect())
+            };
+            let (own, setup) = (self.setup, self.setup.clone());
+            let setup =
+                Setup { drives: of(&own.drives), smooth: of(&own.smooth), driven: of(&own.driven), ..setup };
+            setup.show(self.hypothesis, self.runs).map_or(f64::INFINITY, |shown| self.excess(&shown, None))
+        };
         let tried = starts.iter().enumerate().map(|(k, x)| (k, *x, changed(*x)));
-        let (k, mut at, mut least) = tried.min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let (k, mut at, mut left) = tried.min_by(|a, b| a.2.total_cmp(&b.2))?;
         let beside = [k.checked_sub(1).map(|k| starts[k]), starts.get(k + 1).copied()];
         let mut step = beside.iter().flatten().map(|x| 0.5 * (x - at).abs()).fold(0.0, f64::max);
         for _ in 0..HALVINGS {
             for x in [at - step, at + step].into_iter().filter(|x| *x >= starts[0]) {
                 let excess = changed(x);
-                if excess < least {
-                    (at, least) = (x, excess);
+                if excess < left {
+                    (at, left) = (x, excess);
                 }
             }
             step *= 0.5;
         }
-        let column = channel.column;
-        let words = match () {
-            () if is_offset => format!("{} K is added to {column}", digits(at)),
-            () if at.abs() < SMALL * SMALL => {
-                format!("{column} was 0 throughout, whatever was commanded or read")
-            }
-            () if channel.unit == Unit::One => format!("{column} acted as {} times its value", digits(at)),
-            () => format!("{column} is multiplied by {}", digits(at)),
-        };
-        Some(Change { column: input, words, left: least })
+        Some(Change { column: input, words: words(at), left })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::odd_file::tests::three;
-    use super::super::tests::{AMBIENT, CURRENT, FAN, SPEED, TORQUE, VOLTAGE, WINDING, with_inputs};
     use super::*;
+    use crate::intake::tests::{AMBIENT, CURRENT, FAN, SPEED, TORQUE, VOLTAGE, WINDING, with_inputs};
+    use crate::intake::three;
 
     fn change(odd: usize, column: usize, of: impl Fn(usize, f64) -> f64) -> Option<Change> {
-        likely(&three(odd, column, of), &[], &[odd], &Deadline::default()).unwrap()
+        beside_others(&three(odd, column, of), &[], &[odd], &Deadline::default()).unwrap()
     }
 
-    /// The readings of one channel of one file are wrong by a factor, or those of the ambient thermometer by an offset.
+    /// The readings of one channel of one file are wrong by a factor, or those of an input by an offset.
     #[test]
     fn the_gain_of_a_channel_is_found() {
         for (odd, column, factor) in [
@@ -184,8 +209,12 @@ mod tests {
             let meant = if column < VOLTAGE { 1.0 / factor } else { factor };
             assert!((stated / meant - 1.0).abs() < 0.03, "{factor}: {}", found.words);
         }
-        let found = change(1, AMBIENT, |_, x| x - 4.0).unwrap();
-        assert!(found.column == AMBIENT && found.words.starts_with("4."), "{}", found.words);
+        for (column, zero) in [(AMBIENT, -4.0), (CURRENT, 0.6), (SPEED, -35.0)] {
+            let found = change(1, column, |_, x| x + zero).unwrap_or_else(|| panic!("{column}"));
+            let stated: f64 = found.words.split(' ').next().unwrap().parse().unwrap_or(f64::NAN);
+            assert_eq!(found.column, column, "{}", found.words);
+            assert!((stated / -zero - 1.0).abs() < 0.06, "{}", found.words);
+        }
     }
 
     /// A fan that did not run in one file.
@@ -202,7 +231,7 @@ mod tests {
         let commanded = data.runs[1].table.columns[FAN].clone();
         data.runs[1].table = still.runs[0].table.clone();
         data.runs[1].table.columns[FAN] = commanded;
-        let found = likely(&data, &[], &[1], &Deadline::default()).unwrap().unwrap();
+        let found = beside_others(&data, &[], &[1], &Deadline::default()).unwrap().unwrap();
         assert!(found.column == FAN && found.words.contains("was 0 throughout"), "{}", found.words);
     }
 
