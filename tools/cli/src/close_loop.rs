@@ -137,8 +137,10 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     let mut notes = outcome.notes.clone();
     if outcome.is_cut {
         notes.push(format!(
-            "the time budget of {} s ended the search: this is the best answer so far; --budget sets another one",
-            args.budget
+            "the time budget of {} s ended the search, after {:.0} s of checks and search (the rest is kept for export and replay): this is the \
+             best answer so far; --budget sets another one",
+            args.budget,
+            (1.0 - KEPT) * args.budget
         ));
     }
     notes.extend(findings.iter().cloned());
