@@ -174,7 +174,7 @@ impl<'a> Setup<'a> {
     }
 
     /// Groups runs by file.
-    fn files_of(&self, runs: &[usize]) -> Vec<Vec<usize>> {
+    pub(crate) fn files_of(&self, runs: &[usize]) -> Vec<Vec<usize>> {
         let mut files: Vec<Vec<usize>> = Vec::new();
         for run in runs {
             let name = |run: usize| &self.experiment.runs[run].file;

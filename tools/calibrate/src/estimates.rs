@@ -251,22 +251,14 @@ fn wrong_tests(setup: &Setup, found: &Hypothesis, errors: &[ChannelError]) -> Ve
     if !is_left(Role::Test) || is_left(Role::Fit) || is_left(Role::Validate) {
         return Vec::new();
     }
-    let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
-    for run in setup.runs(Role::Test) {
-        let file = setup.experiment.runs[run].file.as_str();
-        match files.iter_mut().find(|(known, _)| *known == file) {
-            Some((_, runs)) => runs.push(run),
-            None => files.push((file, vec![run])),
-        }
-    }
-    let of = |(file, runs): (&str, Vec<usize>)| {
-        let change = one_gain::of(setup, found, &runs)?;
+    let of = |runs: &Vec<usize>| {
+        let (file, change) = (&setup.experiment.runs[runs[0]].file, one_gain::of(setup, found, runs)?);
         Some(format!(
             "{file} (test) disagrees with the fit and validation runs, which the model describes: it agrees if {}",
             change.words
         ))
     };
-    files.into_iter().filter_map(of).collect()
+    setup.files_of(&setup.runs(Role::Test)).iter().filter_map(of).collect()
 }
 
 /// One sentence about the disagreement between runs, if it is counted as noise.

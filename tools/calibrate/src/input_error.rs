@@ -27,7 +27,6 @@ use crate::selection::LEAST;
 use crate::setup::Setup;
 use crate::simulate::Drive;
 use form::Form;
-use std::sync::Arc;
 
 /// Gauss-Newton steps for c. Numerical: two for a zero, in which the model is nearly linear; a gain of 1.5 is known to 1 % after four.
 const STEPS: usize = 8;
@@ -152,17 +151,9 @@ impl Wrong {
 
     /// The setup with the corrected input.
     fn corrected<'a>(&self, setup: &Setup<'a>) -> Setup<'a> {
-        let of = |drives: &[Drive]| {
-            let all = drives.iter().enumerate().map(|(r, drive)| match self.runs.contains(&r) {
-                true => {
-                    drive.with_input(self.input, |row, reading| reading + self.correction(drives, r, row))
-                }
-                false => drive.clone(),
-            });
-            Arc::new(all.collect::<Vec<_>>())
-        };
-        let (drives, smooth, driven) = (of(&setup.drives), of(&setup.smooth), of(&setup.driven));
-        Setup { drives, smooth, driven, ..setup.clone() }
+        setup.with_input(self.input, &self.runs, |drives, run, row, reading| {
+            reading + self.correction(drives, run, row)
+        })
     }
 
     /// What a further change of c explains to first order at a point, which may be that of a corrected input; `of` has the readings.

@@ -15,9 +15,7 @@ use crate::experiment::{Experiment, Role};
 use crate::hypothesis::Hypothesis;
 use crate::levels::{AT_NOISE, SMALL};
 use crate::setup::{Setup, Shown};
-use crate::simulate::Drive;
 use physics::declare::Unit;
-use std::sync::Arc;
 
 /// Gains of an input at which the search begins. Numerical: between two of them the error has one minimum.
 const GAINS: [f64; 17] =
@@ -135,12 +133,15 @@ impl Odd<'_> {
             () if is_command => format!("{column} acted as {} times its value", digits(x)),
             () => format!("{column} is multiplied by {}", digits(x)),
         };
-        // A command has no zero of its own, and no sign that a wire could change.
+        // A command has no sign that a wire could change, and no zero of its own.
         let gains = if is_command { &GAINS[NEGATIVE..] } else { &GAINS };
         let gain = self.best(input, gains, &|u, x| u * x, &scaled);
+        if is_command {
+            return gain.into_iter().collect();
+        }
         let most = self.runs.iter().map(|run| self.setup.drives[*run].scale(input)).fold(0.0, f64::max);
         let zeros = SHARES.map(|share| share * most);
-        let zero = self.best(input, &zeros, &|u, x| u + x, &added).filter(|_| !is_command);
+        let zero = self.best(input, &zeros, &|u, x| u + x, &added);
         gain.into_iter().chain(zero).collect()
     }
 
@@ -153,16 +154,7 @@ impl Odd<'_> {
         words: &dyn Fn(f64) -> String,
     ) -> Option<Change> {
         let changed = |x: f64| -> f64 {
-            let of = |drives: &[Drive]| -> Arc<Vec<Drive>> {
-                let all = drives.iter().enumerate().map(|(run, drive)| match self.runs.contains(&run) {
-                    true => drive.with_input(input, |_, u| change(u, x)),
-                    false => drive.clone(),
-                });
-                Arc::new(all.collect())
-            };
-            let (own, setup) = (self.setup, self.setup.clone());
-            let setup =
-                Setup { drives: of(&own.drives), smooth: of(&own.smooth), driven: of(&own.driven), ..setup };
+            let setup = self.setup.with_input(input, self.runs, |_, _, _, u| change(u, x));
             setup.show(self.hypothesis, self.runs).map_or(f64::INFINITY, |shown| self.excess(&shown, None))
         };
         let tried = starts.iter().enumerate().map(|(k, x)| (k, *x, changed(*x)));

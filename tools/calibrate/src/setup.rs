@@ -297,6 +297,24 @@ impl<'a> Setup<'a> {
         self.noise[self.experiment.place_of(output)]
     }
 
+    /// The setup with another input in these runs; `change` gets drives, run, row and reading.
+    pub fn with_input(
+        &self,
+        input: usize,
+        runs: &[usize],
+        change: impl Fn(&[Drive], usize, usize, f64) -> f64,
+    ) -> Setup<'a> {
+        let of = |drives: &[Drive]| -> Arc<Vec<Drive>> {
+            let all = drives.iter().enumerate().map(|(run, drive)| match runs.contains(&run) {
+                true => drive.with_input(input, |row, reading| change(drives, run, row, reading)),
+                false => drive.clone(),
+            });
+            Arc::new(all.collect())
+        };
+        let (drives, smooth, driven) = (of(&self.drives), of(&self.smooth), of(&self.driven));
+        Setup { drives, smooth, driven, ..self.clone() }
+    }
+
     /// Noise of an output without the disagreement between runs.
     pub fn sensor_noise(&self, output: usize) -> f64 {
         let between = self.between.get(output).copied().unwrap_or(0.0);

@@ -110,18 +110,12 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     if has_inputs && inputs.is_none() {
         return Ok(());
     }
-    let is_set = |name: &str| find(facts, name).is_some_and(|v| v.is("input"));
-    let columns = |table: &Table| {
-        table
-            .names
-            .iter()
-            .enumerate()
-            .filter(|(_, name)| is_set(name))
-            .map(|(i, _)| i + 1)
-            .collect::<Vec<_>>()
+    let is_blank = |table: &Table, (i, name): (usize, &String)| {
+        find(facts, name).is_some_and(|v| v.is("input"))
+            && table.rows.iter().any(|row| !row[i + 1].is_finite())
     };
     if let Some(table) = &inputs
-        && columns(table).iter().any(|k| table.rows.iter().any(|row| !row[*k].is_finite()))
+        && table.names.iter().enumerate().any(|column| is_blank(table, column))
     {
         seen.add(&place, rules::reference_input_not_finite());
         return Ok(());
