@@ -8,6 +8,7 @@
 //!
 //! The model is that of the preset, unfitted; the checks therefore allow for all parameter values within the priors.
 
+mod averaged;
 mod bursts;
 mod clipped;
 mod clock_jumps;
@@ -101,6 +102,7 @@ pub fn check(
 /// All checks except that of the clocks, and of values: whether the data agree with the model.
 fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) -> Result<bool, Refusal> {
     repeats::set_aside(experiment);
+    averaged::reconstruct(experiment);
     clipped::outputs(experiment);
     enough(experiment)?;
     let unusable = outside_limits(experiment)

@@ -2,10 +2,13 @@
 //!
 //! ```text
 //! spread(y_a - y_b) < c spread(p_a - p_b)                                                  (1)
+//! 1/4 < sum y_k^2 / sum p_k^2 < 4    for each measured current, voltage and power             (2)
 //! ```
 //! y are the readings of two thermometers of the motor, p the predictions of the preset, c the least fraction of a difference that a sensor at
 //! its place shows. The heat between two nodes and their resistance are within a factor of two of the preset's. Of the two the one that is
 //! predicted to be hotter has left its place: what comes loose gets colder. A frozen sensor varies against the other one, and is none of this.
+//! Without (2) the predicted heat is another one than the motor's, for example because a speed in rpm was read as one in rad/s, and nothing
+//! follows from (1).
 //! *Source*: parity equation of two redundant sensors, Isermann, Fault-Diagnosis Systems (2006), ch. 10.
 
 use super::response::{CLEAR, ENOUGH, LEVEL, spread};
@@ -13,6 +16,10 @@ use super::{all_runs, predicted};
 use crate::deadline::Deadline;
 use crate::experiment::Experiment;
 use crate::noise;
+use physics::declare::Unit;
+
+/// (2). Limit: a loss within a factor of two of the preset's, as a square of the current by a resistance within the same factor.
+const HEAT: f64 = 4.0;
 
 /// Sets aside, in each run, the thermometers that show the temperature of another one, with notes.
 pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) {
@@ -22,6 +29,9 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
     }
     let predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
     for (run, model) in predicted.iter().enumerate() {
+        if !is_heat(experiment, model, run) {
+            continue;
+        }
         let pairs = warm.iter().flat_map(|a| warm.iter().map(move |b| (*a, *b))).filter(|(a, b)| a != b);
         for (own, other) in pairs.collect::<Vec<_>>() {
             let Some(difference) = shows_another(experiment, model, run, (own, other)) else { continue };
@@ -35,6 +45,18 @@ pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &
             experiment.runs[run].table.columns[column].fill(f64::NAN);
         }
     }
+}
+
+/// (2): whether the heat of a run can be the predicted one.
+fn is_heat(experiment: &Experiment, model: &[Vec<f64>], run: usize) -> bool {
+    let electrical =
+        |k: &usize| matches!(experiment.outputs[*k].unit, Unit::Ampere | Unit::Volt | Unit::Watt);
+    (0..experiment.outputs.len()).filter(electrical).all(|output| {
+        let both = experiment.readings(run, output).iter().zip(model.get(output).into_iter().flatten());
+        let squares = both.filter(|(y, p)| (*y + *p).is_finite()).map(|(y, p)| (y * y, p * p));
+        let (read, expected) = squares.fold((0.0, 0.0), |sum, square| (sum.0 + square.0, sum.1 + square.1));
+        read + expected == 0.0 || (expected < HEAT * read && read < HEAT * expected)
+    })
 }
 
 /// (1): the greatest difference that is predicted, K, if the sensor of an output, which is predicted to be hotter, shows the temperature of

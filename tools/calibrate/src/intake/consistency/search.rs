@@ -374,9 +374,13 @@ fn is_possible(changed: &Experiment, mistake: &Mistake) -> bool {
     })
 }
 
-/// Whether one output agrees better and no output that agreed is now far off.
+/// Whether one output agrees and its q is halved, or those of all outputs are, in their geometric mean (the preset is not the specimen: a
+/// current that is the small difference of two voltages is then far off without any mistake), and no output that agreed is now far off.
 fn agrees_more(before: &Agreement, after: &Agreement) -> bool {
-    pairs(before, after).any(|(a, b)| b < PART && b < 0.5 * a) && !spoils(before, after)
+    let all = pairs(before, after).count() as f64;
+    let one_agrees = pairs(before, after).any(|(a, b)| b < PART && b < 0.5 * a);
+    let all_nearer = score(after) - score(before) < -all * std::f64::consts::LN_2;
+    (one_agrees || all_nearer) && !spoils(before, after)
 }
 
 /// Whether an output that agreed is now far off.

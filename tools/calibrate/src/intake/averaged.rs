@@ -1,0 +1,308 @@
+//! Rows that are means over the interval between rows: a logger that averages, a file that was resampled.
+//!
+//! Where a load steps within an interval, the row is between the two levels, and tells when:
+//!
+//! m = f a + (1 - f) b,   the step is at t - T/2 + f T                                              (1)
+//!
+//! m the row at t, a and b the levels before and after it, T the interval. With lines between the rows, the load would change over two
+//! intervals, with the same mean but a smaller mean square: for a step from 0 to b, b^2 T / 3 of its heat would be missing, more than a winding
+//! stores between two readings if T is a third of its time constant. If the loads of a file change in this way, they get a step there in place
+//! of the row. Steps between two intervals, which leave no such row, are in the middle between their rows. A slow change stays as it is.
+//!
+//! That the stamp of a row is at the start or at the end of its interval is a shift of all channels together, which changes nothing. A row of
+//! a sampled signal is seldom between two levels; if it is, the step (1) changes the mean square by less than the lines do, and the mean by
+//! nothing.
+//!
+//! The means of the outputs over an interval with a step are not used. Elsewhere a mean of a temperature is its value in the middle, and
+//! the error of second order,
+//!
+//! y - mean y = -T^2 y'' / 24,   y'' from the mean's neighbours on the same side of a step              (2)
+//!
+//! is that of the mean over a parabola.
+//!
+//! *Source*: (1) keeps the mean of each interval, and (2) its value, as the reconstruction of a finite volume method: LeVeque, Finite Volume
+//! Methods for Hyperbolic Problems (2002), sections 4.10 and 10.
+
+use super::median;
+use crate::experiment::{Experiment, Start, Table};
+use crate::levels::{CERTAIN, SMALL};
+use crate::noise;
+use crate::report::count_of;
+
+/// Fraction of the steps of a load that have a row between their levels, from which rows are means. Definition: the majority.
+const MEANS: f64 = 0.5;
+/// Fewest such rows of a file. Derivation: if a sampled step has such a row as often as not, six have one each with a probability of 2 %.
+const FEWEST: usize = 6;
+/// Half of the duration of a step that is put in, as a fraction of the interval between rows. Numerical: its heat is known to 1e-3.
+const WIDTH: f64 = 1e-3;
+
+/// Fewest rows of a part between two steps for (2). Definition: two second differences, of which the line gives that of its first row.
+const LEAST_PART: usize = 4;
+/// Standard deviation of a second difference of readings, and of one that is continued as a line, in that of a reading. Derivation: the
+/// weights 1, -2, 1 and 2, -5, 4, -1.
+const BEND: (f64, f64) = (2.449, 6.782);
+
+/// A step of a load.
+#[derive(Clone, Copy)]
+struct Step {
+    /// The column of the load.
+    column: usize,
+    /// The last row at the level before it.
+    before: usize,
+    /// The first row at the level after it.
+    after: usize,
+    /// Whether a row is between the levels.
+    is_mixed: bool,
+    /// Its time, and the standard deviation of that, s.
+    time: f64,
+    error: f64,
+}
+
+/// Puts steps of the loads in files whose rows are means, with notes.
+pub fn reconstruct(experiment: &mut Experiment) {
+    let loads: Vec<usize> =
+        (0..experiment.inputs.len()).filter(|k| !experiment.inputs[*k].is_temperature()).collect();
+    let steps: Vec<Vec<Step>> = experiment.runs.iter().map(|run| steps(&run.table, &loads)).collect();
+    let is_temperature: Vec<bool> = experiment.outputs.iter().map(|c| c.is_temperature()).collect();
+    let files: Vec<(String, Vec<usize>)> = super::consistency::files(experiment)
+        .into_iter()
+        .map(|(file, runs)| (file.to_string(), runs))
+        .collect();
+    let between = |steps: &[Step]| steps.iter().filter(|step| step.is_mixed).count();
+    for (file, runs) in files {
+        let all: usize = runs.iter().map(|run| steps[*run].len()).sum();
+        let mixed: usize = runs.iter().map(|run| between(&steps[*run])).sum();
+        if mixed < FEWEST || (mixed as f64) < MEANS * all as f64 {
+            continue;
+        }
+        let interval = median(runs.iter().flat_map(|run| intervals(&experiment.runs[*run].table)));
+        for run in runs {
+            let own = &mut experiment.runs[run];
+            own.table = with_steps(&own.table, &is_temperature, &steps[run]);
+            if own.start == Start::Ambient {
+                from_the_edge(&mut own.table, is_temperature.len(), interval);
+            }
+        }
+        experiment.notes.push(format!(
+            "{file}: {} between the levels before and after a step of a load, as means over {interval:.3} s are: the loads step at the times \
+             that give these means",
+            count_of(mixed, "row"),
+        ));
+    }
+}
+
+fn intervals(table: &Table) -> impl Iterator<Item = f64> + '_ {
+    table.time.windows(2).map(|pair| pair[1] - pair[0])
+}
+
+/// The steps of the loads of a run, in the order of the columns.
+fn steps(table: &Table, loads: &[usize]) -> Vec<Step> {
+    let usual = median(intervals(table));
+    let mut all = Vec::new();
+    for column in loads {
+        let values = &table.columns[*column];
+        let noise = noise::of_column(&table.time, values).unwrap_or(0.0);
+        let span = super::range(values.iter().copied());
+        let own = Load { time: &table.time, values, noise, span, usual };
+        let mut row = 1;
+        while row + 1 < values.len() {
+            let step = own.step(*column, row);
+            row = step.map_or(row + 1, |step| step.after.max(row + 1));
+            all.extend(step);
+        }
+    }
+    all
+}
+
+/// A load of a run.
+struct Load<'a> {
+    time: &'a [f64],
+    values: &'a [f64],
+    noise: f64,
+    span: f64,
+    /// Usual interval between rows, s.
+    usual: f64,
+}
+
+impl Load<'_> {
+    /// The step whose levels are those of the rows beside this one, or beside this one and the next.
+    fn step(&self, column: usize, row: usize) -> Option<Step> {
+        self.over(column, row - 1, row + 1).or_else(|| self.over(column, row - 1, row + 2))
+    }
+
+    /// (1) for one row or two between two levels; of two, only one is between them.
+    fn over(&self, column: usize, before: usize, after: usize) -> Option<Step> {
+        let (a, b) = (*self.values.get(before)?, *self.values.get(after)?);
+        let (change, least) = (b - a, CERTAIN * self.noise);
+        let is_step = self.is_change(change)
+            && self.is_usual(before, after)
+            && self.is_level(before, -1, change)
+            && self.is_level(after, 1, change);
+        if !is_step {
+            return None;
+        }
+        let between = &self.values[before + 1..after];
+        let from_a = |m: &f64| (m - a) * change.signum();
+        let is_mixed = |m: &&f64| from_a(m) > least && change.abs() - from_a(m) > least;
+        let is_within = |m: &f64| from_a(m) > -least && change.abs() - from_a(m) > -least;
+        let mixed = between.iter().filter(is_mixed).count();
+        if mixed > 1 || !between.iter().all(is_within) {
+            return None;
+        }
+        let share: f64 = between.iter().map(|m| (b - m) / change).sum();
+        let time = self.time[before] + self.usual * (0.5 + share);
+        let error = self.usual * self.noise * (between.len() as f64).sqrt() / change.abs();
+        Some(Step { column, before, after, time, error, is_mixed: mixed == 1 })
+    }
+
+    /// Whether rows follow each other at the usual interval.
+    fn is_usual(&self, from: usize, to: usize) -> bool {
+        let length = (to - from) as f64 * self.usual;
+        (self.time[to] - self.time[from] - length).abs() < SMALL * length
+    }
+
+    /// Whether a change is more than the noise, and than a ripple.
+    fn is_change(&self, change: f64) -> bool {
+        change.abs() > (2.0 * CERTAIN * self.noise).max(SMALL * self.span)
+    }
+
+    /// Whether the load was at the level of a row at the next row in this direction, too, or returns there: one that goes on changes slowly.
+    fn is_level(&self, row: usize, direction: isize, change: f64) -> bool {
+        let Some(next) = row.checked_add_signed(direction).filter(|next| *next < self.values.len()) else {
+            return true;
+        };
+        let by = (self.values[next] - self.values[row]) * change.signum() * direction as f64;
+        by < (CERTAIN * self.noise).max(SMALL * change.abs())
+    }
+}
+
+/// A step that is put in.
+struct Break {
+    column: usize,
+    /// Times of the rows at its levels, s.
+    ends: (f64, f64),
+    levels: (f64, f64),
+    time: f64,
+}
+
+impl Break {
+    fn spans(&self, at: f64) -> bool {
+        self.ends.0 <= at && at <= self.ends.1
+    }
+
+    fn level(&self, at: f64) -> f64 {
+        if at < self.time { self.levels.0 } else { self.levels.1 }
+    }
+}
+
+/// The table with two rows at each step in place of a change over the rows beside it.
+fn with_steps(table: &Table, is_temperature: &[bool], steps: &[Step]) -> Table {
+    let inputs = table.columns.len() - is_temperature.len();
+    let usual = median(intervals(table));
+    let mut own = table.clone();
+    let (mut breaks, mut is_blank) = (Vec::new(), vec![false; table.time.len()]);
+    // Loads that step together do so at one time, known best from the greatest step.
+    let mut times: Vec<(f64, f64)> = steps.iter().map(|step| (step.time, step.error)).collect();
+    times.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut distinct: Vec<(f64, f64)> = Vec::new();
+    for one in times {
+        let is_same = |other: &&(f64, f64)| {
+            (one.0 - other.0).abs() <= CERTAIN * one.1.hypot(other.1) + 2.0 * WIDTH * usual
+        };
+        if !distinct.iter().any(|other| is_same(&other)) {
+            distinct.push(one);
+        }
+    }
+    let at = |step: &Step| {
+        let nearest =
+            |a: &&(f64, f64), b: &&(f64, f64)| (a.0 - step.time).abs().total_cmp(&(b.0 - step.time).abs());
+        distinct.iter().min_by(nearest).map_or(step.time, |one| one.0)
+    };
+    for step in steps {
+        let (time, rows) = (at(step), step.before + 1..step.after);
+        for row in rows.clone() {
+            let off = (table.time[row] - time).abs() - 0.5 * usual;
+            is_blank[row] |= off < CERTAIN * step.error;
+        }
+        let one = Break {
+            column: step.column,
+            ends: (table.time[step.before], table.time[step.after]),
+            levels: (table.columns[step.column][step.before], table.columns[step.column][step.after]),
+            time,
+        };
+        rows.for_each(|row| own.columns[step.column][row] = one.level(table.time[row]));
+        breaks.push(one);
+    }
+    for (k, column) in own.columns.iter_mut().enumerate().skip(inputs) {
+        (0..is_blank.len()).filter(|row| is_blank[*row]).for_each(|row| column[row] = f64::NAN);
+        if is_temperature[k - inputs] {
+            point_values(&own.time, column);
+        }
+    }
+    let half = WIDTH * usual;
+    for (time, _) in distinct {
+        for at in [time - half, time + half] {
+            let row = own.time.partition_point(|t| *t < at);
+            // A row at the time of a step is on one side of it.
+            if own.time.get(row).is_some_and(|t| *t == at) {
+                continue;
+            }
+            let value = |column: usize| match breaks.iter().find(|one| one.column == column && one.spans(at))
+            {
+                _ if column >= inputs => f64::NAN,
+                Some(one) => one.level(at),
+                None => between(&own, column, row, at),
+            };
+            let values: Vec<f64> = (0..own.columns.len()).map(value).collect();
+            own.time.insert(row, at);
+            own.columns.iter_mut().zip(values).for_each(|(column, value)| column.insert(row, value));
+        }
+    }
+    own
+}
+
+/// (2) between the blank rows of a temperature, where y'' is more than noise.
+fn point_values(time: &[f64], column: &mut [f64]) {
+    let noise = noise::of_column(time, column).unwrap_or(0.0);
+    let is_known: Vec<bool> = column.iter().map(|x| x.is_finite()).collect();
+    let mut from = 0;
+    for part in is_known.chunk_by(|a, b| a == b) {
+        let to = from + part.len();
+        if part[0] && part.len() >= LEAST_PART {
+            let means = column[from..to].to_vec();
+            let bend = |k: usize| means[k - 1] - 2.0 * means[k] + means[k + 1];
+            for k in 0..means.len() {
+                let last = means.len() - 1;
+                let (bend, size) = match k {
+                    0 => (2.0 * bend(1) - bend(2), BEND.1),
+                    _ if k == last => (2.0 * bend(last - 1) - bend(last - 2), BEND.1),
+                    _ => (bend(k), BEND.0),
+                };
+                if bend.abs() > CERTAIN * size * noise {
+                    column[from + k] = means[k] - bend / 24.0;
+                }
+            }
+        }
+        from = to;
+    }
+}
+
+/// A row at the start of the first interval: the motor is at the ambient temperature there, and not in its middle.
+fn from_the_edge(table: &mut Table, outputs: usize, interval: f64) {
+    let inputs = table.columns.len() - outputs;
+    let Some(first) = table.time.first().copied() else { return };
+    table.time.insert(0, first - 0.5 * interval);
+    for (k, column) in table.columns.iter_mut().enumerate() {
+        column.insert(0, if k < inputs { column[0] } else { f64::NAN });
+    }
+}
+
+/// The value of an input at a time before a row.
+fn between(table: &Table, column: usize, row: usize, at: f64) -> f64 {
+    let values = &table.columns[column];
+    if row == 0 || row == values.len() {
+        return values[row.min(values.len() - 1)];
+    }
+    let share = (at - table.time[row - 1]) / (table.time[row] - table.time[row - 1]);
+    values[row - 1] + share * (values[row] - values[row - 1])
+}
