@@ -11,7 +11,7 @@ from logging_rate import INPUTS, OUTPUTS, PRIOR, RADIATION, VISCOUS, Case
 RATE = 0.5  # Hz
 ROLES = ("fit", "fit", "validate", "test")
 WINDING, HOUSING, FAN = "winding_temperature_degC", "housing_temperature_degC", "fan_command_1"
-TORQUE, CURRENT = "shaft_torque_Nm", "current_A"
+TORQUE, CURRENT, VOLTAGE = "shaft_torque_Nm", "current_A", "voltage_V"
 FORCED = "conductance.G_forced"
 
 
@@ -72,6 +72,29 @@ def paused(seconds, at):
     return change
 
 
+def averaged(rows):
+    """A logger whose rows are means over so many of these."""
+
+    def change(read):
+        for column, values in read.items():
+            whole = len(values) // rows * rows
+            read[column] = values[:whole].reshape(-1, rows).mean(axis=1)
+
+    return change
+
+
+def behind(tau, *columns):
+    """Instruments with a first-order filter of `tau` seconds."""
+
+    def change(read):
+        kept = np.exp(-1.0 / (RATE * tau))
+        for column in columns:
+            for row in range(1, len(read[column])):
+                read[column][row] = kept * read[column][row - 1] + (1.0 - kept) * read[column][row]
+
+    return change
+
+
 ALL, HELD = (0, 1, 2, 3), "a new reading in"
 CASES = {
     "scans of 15 s, viscous friction": Mistake({VISCOUS: 1.2e-5}, ALL, HELD, scanned(15.0, WINDING, HOUSING)),
@@ -83,6 +106,12 @@ CASES = {
     "an amplifier with another gain": Mistake({VISCOUS: 1.2e-5}, (2,), f"{TORQUE} is divided by 1.", scaled(TORQUE, 1.4)),
     "a probe with another range": Mistake({}, (1,), f"{CURRENT} is multiplied by 1.5", scaled(CURRENT, 0.65), channel=CURRENT),
     "a pause that is not in the times": Mistake({RADIATION: 8e-10}, (0,), "as if the logger had paused", paused(150.0, 2000.0)),
+    "means over 24 s, viscous friction": Mistake({VISCOUS: 1.2e-5}, ALL, "as means over 24", averaged(12)),
+    "means over 14 s in one run": Mistake({RADIATION: 8e-10}, (1,), "as means over 14", averaged(7)),
+    "two outputs behind filters of 11 s": Mistake(
+        {VISCOUS: 1.2e-5}, ALL, "is behind a first-order lag", behind(11.0, VOLTAGE, TORQUE)
+    ),
+    "a current behind a filter of 4 s": Mistake({}, ALL, "", behind(4.0, CURRENT), channel=CURRENT),
 }
 
 

@@ -21,7 +21,8 @@ def test_the_mistake_is_named_and_the_motor_is_found(name, program, tmp_path):
     report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))
     if report["verdict"] == "unusable":
         assert report["unusable"]["channel"] == mistake.channel, report["unusable"]
-        assert any(f"run-{run + 1}.csv" in report["unusable"]["reason"] for run in mistake.runs)
+        files = [f"run-{run + 1}.csv" for run in mistake.runs] + ["every run"] * (mistake.runs == acquisition.ALL)
+        assert any(file in report["unusable"]["reason"] for file in files), report["unusable"]
         return
     assert done.returncode == 0, done.stdout + done.stderr
     assert [f"effect.{e['id']}" for e in report["effects"]] == [key.rpartition(".")[0] for key in mistake.effect], report["notes"]

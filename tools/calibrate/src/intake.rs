@@ -21,6 +21,7 @@ mod dead_torque;
 mod departures;
 mod drifts;
 mod exchanged;
+mod filtered;
 mod first_rows;
 mod gaps;
 mod misplaced;
@@ -78,8 +79,8 @@ pub fn check(
     let agrees = sensors(experiment, preset, deadline)?;
     let mut unusable = clocks::check(experiment, preset, deadline)?;
     if unusable.is_none() {
-        unsynchronized::set_aside(experiment, preset, deadline);
-        unusable = nothing_left(experiment);
+        unusable =
+            unsynchronized::set_aside(experiment, preset, deadline).or_else(|| nothing_left(experiment));
     }
     if unusable.is_none() {
         unusable = odd_file::check(experiment, preset, deadline)?;

@@ -14,8 +14,9 @@
 //! *Source*: finite impulse response by least squares: Ljung, System Identification (2nd ed., 1999), ch. 4.2 and 10.1.
 
 use super::clocks::LEAST;
+use super::filtered::{self, Place};
 use super::response::{CLEAR, ENOUGH};
-use super::{Predicted, all_runs, median, predicted};
+use super::{Predicted, Unusable, all_runs, median, predicted};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::Experiment;
@@ -25,11 +26,11 @@ use crate::report::count_of;
 use nalgebra::{DMatrix, DVector};
 
 /// Fraction of a change that is read at other times. Definition: the majority.
-const MAJORITY: f64 = 0.5;
+pub(super) const MAJORITY: f64 = 0.5;
 /// The times of h before and after a row, in rows. Numerical: a longer filter is seen as one of this length.
 const TIMES: [f64; 10] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0];
 /// The longest of these times, s. Limit: instruments average over a minute at most; what follows a load for longer is an effect with a lag.
-const LONGEST: f64 = 64.0;
+pub(super) const LONGEST: f64 = 64.0;
 /// Fewest readings for each weight of q. Numerical: fewer are fitted by chance.
 const PER_WEIGHT: usize = 10;
 /// Least fraction of the readings that is left. Numerical: fewer are of one load, which the weights of q fit by chance.
@@ -39,55 +40,82 @@ const RIDGE: f64 = 1e-4;
 
 /// Sets aside the rows of voltage, current and torque around changes of the load, with a note, in each run in which they belong to
 /// other times.
-pub fn set_aside(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadline) {
+pub fn set_aside(
+    experiment: &mut Experiment,
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Option<Unusable> {
     let is_imposed = experiment.inputs.iter().any(|c| c.input == Some("imposed_speed"));
     let fast: Vec<usize> = (0..experiment.outputs.len())
         .filter(|k| is_imposed && experiment.outputs[*k].node().is_none())
         .collect();
     if fast.is_empty() {
-        return;
+        return None;
     }
     let predicted: Predicted = predicted(experiment, preset, &all_runs(experiment), deadline);
+    let mut late: Vec<(Place, Found)> = Vec::new();
     for output in fast {
-        let (column, channel) = (experiment.place_of(output), experiment.outputs[output].column);
-        let of = |(run, model): (usize, &Vec<Vec<f64>>)| Some((run, found(experiment, model, run, output)?));
-        let all: Vec<(usize, Found)> = predicted.iter().enumerate().filter_map(of).collect();
+        let of = |(run, model): (usize, &Vec<Vec<f64>>)| {
+            let own = found(experiment, model, run, output)?;
+            Some((Place { output, run, least: own.of_kept }, own))
+        };
+        let all: Vec<(Place, Found)> = predicted.iter().enumerate().filter_map(of).collect();
         let is_read = |run: &usize| {
             experiment.readings(*run, output).iter().filter(|y| y.is_finite()).count() >= ENOUGH
         };
         // A filter belongs to the instrument and not to a run.
-        if 2 * all.len() <= all_runs(experiment).iter().filter(|run| is_read(run)).count() {
-            continue;
-        }
-        for (run, Found { rows, span }) in all {
-            let own = &mut experiment.runs[run];
-            rows.iter().for_each(|row| own.table.columns[column][*row] = f64::NAN);
-            experiment.notes.push(format!(
-                "{}: {channel} does not follow the inputs at the same row, but up to {} s earlier or {} s later, as behind a filter or a \
-                 hold, or on another clock: this channel, or an input; {} around changes of the load {} set aside",
-                own.file,
-                converted(span[0]),
-                converted(span[1]),
-                count_of(rows.len(), "reading"),
-                if rows.len() == 1 { "is" } else { "are" }
-            ));
+        if 2 * all.len() > all_runs(experiment).iter().filter(|run| is_read(run)).count() {
+            late.extend(all);
         }
     }
+    let places: Vec<Place> = late.iter().map(|(place, _)| *place).collect();
+    let input = if places.is_empty() { None } else { filtered::input(experiment, preset, &places, deadline) };
+    if input.is_some() {
+        return input;
+    }
+    for (Place { output, run, least }, Found { rows, span, .. }) in late {
+        let (column, channel) = (experiment.place_of(output), experiment.outputs[output].column);
+        let readings = Readings::new(experiment, &predicted[run], run, output);
+        let (what, rows) = match readings.and_then(|own| filtered::output(own, least)) {
+            Some((filter, rows)) => (format!("is behind {filter}"), rows),
+            None => {
+                let [before, after] = span.map(converted);
+                let what = format!(
+                    "does not follow the inputs at the same row, but up to {before} s earlier or {after} s later, as behind a filter or a hold, \
+                     or on another clock: this channel, or an input"
+                );
+                (what, rows)
+            }
+        };
+        let own = &mut experiment.runs[run];
+        rows.iter().for_each(|row| own.table.columns[column][*row] = f64::NAN);
+        let verb = if rows.len() == 1 { "is" } else { "are" };
+        let count = count_of(rows.len(), "reading");
+        experiment.notes.push(format!(
+            "{}: {channel} {what}; {count} around changes of the load {verb} set aside",
+            own.file
+        ));
+    }
+    None
 }
 
 /// Rows whose readings belong to other times, and the greatest distance before and after a row from which they are, s.
 struct Found {
     rows: Vec<usize>,
     span: [f64; 2],
+    /// Mean square of the residual of the other rows.
+    of_kept: f64,
 }
 
 /// Known readings of an output in a run.
-struct Readings {
-    rows: Vec<usize>,
-    time: Vec<f64>,
-    y: Vec<f64>,
+pub(super) struct Readings {
+    pub(super) rows: Vec<usize>,
+    pub(super) time: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    /// The inputs, standardized.
+    inputs: Vec<Vec<f64>>,
     /// What is equal to q but for its weights.
-    levels: Vec<Vec<f64>>,
+    pub(super) levels: Vec<Vec<f64>>,
 }
 
 /// u(t - tau) - u(t) in each row, times c_u, for one tau; 0 where it is noise.
@@ -105,25 +133,13 @@ struct Tried {
 }
 
 fn found(experiment: &Experiment, model: &[Vec<f64>], run: usize, output: usize) -> Option<Found> {
-    let table = &experiment.runs[run].table;
-    let (read, p) = (experiment.readings(run, output), model.get(output)?);
-    let inputs = &table.columns[..experiment.inputs.len()];
-    let is_known =
-        |row: &usize| inputs.iter().chain([p]).all(|c| c[*row].is_finite()) && read[*row].is_finite();
-    let rows: Vec<usize> = (0..read.len()).filter(is_known).collect();
-    let of = |column: &[f64]| -> Vec<f64> { rows.iter().map(|row| column[*row]).collect() };
-    let inputs: Vec<Vec<f64>> = inputs.iter().filter_map(|c| standardized(&of(c))).collect();
-    let levels = static_functions(inputs.iter().cloned().chain(standardized(&of(p))).collect());
-    let readings = Readings { time: of(&table.time), y: of(read), levels, rows };
-    let step = median(readings.time.windows(2).map(|w| w[1] - w[0]));
-    if readings.rows.len() < (PER_WEIGHT * readings.levels.len()).max(ENOUGH) || step.is_nan() {
-        return None;
-    }
+    let readings = Readings::new(experiment, model, run, output)?;
     let all: Vec<usize> = (0..readings.rows.len()).collect();
     let q = fitted(&readings.levels, &readings.y, &all)?;
-    let of_inputs = solved(&inputs.iter().collect::<Vec<_>>(), &q, &all)?;
+    let of_inputs = solved(&readings.inputs.iter().collect::<Vec<_>>(), &q, &all)?;
+    let step = readings.step();
     let mut taps: Vec<Tap> = Vec::new();
-    for (input, weight) in inputs.iter().zip(&of_inputs[1..]) {
+    for (input, weight) in readings.inputs.iter().zip(&of_inputs[1..]) {
         let part: Vec<f64> = input.iter().map(|u| weight * u).collect();
         let own = readings.taps(&part, step)?;
         if readings.is_elsewhere(&q, &own)? {
@@ -134,6 +150,44 @@ fn found(experiment: &Experiment, model: &[Vec<f64>], run: usize, output: usize)
 }
 
 impl Readings {
+    /// Those of an output in a run, `None` if they are too few.
+    pub(super) fn new(
+        experiment: &Experiment,
+        model: &[Vec<f64>],
+        run: usize,
+        output: usize,
+    ) -> Option<Readings> {
+        let table = &experiment.runs[run].table;
+        let (read, p) = (experiment.readings(run, output), model.get(output)?);
+        let inputs = &table.columns[..experiment.inputs.len()];
+        let is_known =
+            |row: &usize| inputs.iter().chain([p]).all(|c| c[*row].is_finite()) && read[*row].is_finite();
+        let rows: Vec<usize> = (0..read.len()).filter(is_known).collect();
+        let of = |column: &[f64]| -> Vec<f64> { rows.iter().map(|row| column[*row]).collect() };
+        let inputs: Vec<Vec<f64>> = inputs.iter().filter_map(|c| standardized(&of(c))).collect();
+        let levels = static_functions(inputs.iter().cloned().chain(standardized(&of(p))).collect());
+        let readings = Readings { time: of(&table.time), y: of(read), inputs, levels, rows };
+        let enough = (PER_WEIGHT * readings.levels.len()).max(ENOUGH);
+        (readings.rows.len() >= enough).then_some(readings)
+    }
+
+    /// Usual interval between the rows, s.
+    pub(super) fn step(&self) -> f64 {
+        median(self.time.windows(2).map(|w| w[1] - w[0]))
+    }
+
+    /// Mean square of what q leaves.
+    pub(super) fn left(&self) -> Option<f64> {
+        self.behind(<[f64]>::to_vec)
+    }
+
+    /// The same with q behind a filter.
+    pub(super) fn behind(&self, filter: impl Fn(&[f64]) -> Vec<f64>) -> Option<f64> {
+        let columns: Vec<Vec<f64>> = self.levels.iter().map(|column| filter(column)).collect();
+        let all: Vec<usize> = (0..self.rows.len()).collect();
+        Some(mean_square(&self.y, &fitted(&columns, &self.y, &all)?, &all))
+    }
+
     /// The changes of a part of q that are no noise.
     fn taps(&self, part: &[f64], step: f64) -> Option<Vec<Tap>> {
         let sigma = noise::of_column(&self.time, &self.y)?.hypot(noise::of_column(&self.time, part)?);
@@ -183,14 +237,14 @@ impl Readings {
         let columns: Vec<&Vec<f64>> = self.levels.iter().chain(taps.iter().map(|tap| &tap.change)).collect();
         let full = sum_of(&columns, &solved(&columns, &self.y, &kept)?, self.rows.len());
         if mean_square(&self.y, &full, &kept) < (1.0 - PART) * of_kept {
-            return Some(Found { rows: self.rows.clone(), span });
+            return Some(Found { rows: self.rows.clone(), span, of_kept });
         }
         let at_rest = fitted(&self.levels, &self.y, &kept)?;
         if mean_square(&self.y, &at_rest, &aside) < FACTOR.powi(2) * of_kept {
             return None;
         }
         let rows = aside.iter().map(|k| self.rows[*k]).collect();
-        Some(Found { rows, span })
+        Some(Found { rows, span, of_kept })
     }
 }
 
@@ -244,6 +298,16 @@ fn solved(columns: &[&Vec<f64>], y: &[f64], rows: &[usize]) -> Option<Vec<f64>> 
     Some(normal.cholesky()?.solve(&x.tr_mul(&y)).iter().copied().collect())
 }
 
+/// [`solved`] for levels.
+pub(super) fn weights(levels: &[Vec<f64>], y: &[f64], rows: &[usize]) -> Option<Vec<f64>> {
+    solved(&levels.iter().collect::<Vec<_>>(), y, rows)
+}
+
+/// [`sum_of`] levels.
+pub(super) fn sum(levels: &[Vec<f64>], weights: &[f64], rows: usize) -> Vec<f64> {
+    sum_of(&levels.iter().collect::<Vec<_>>(), weights, rows)
+}
+
 fn sum_of(columns: &[&Vec<f64>], weights: &[f64], rows: usize) -> Vec<f64> {
     let of =
         |row: usize| weights[0] + columns.iter().zip(&weights[1..]).map(|(c, w)| w * c[row]).sum::<f64>();
@@ -251,12 +315,12 @@ fn sum_of(columns: &[&Vec<f64>], weights: &[f64], rows: usize) -> Vec<f64> {
 }
 
 /// The levels of (1) at every row, fitted to some.
-fn fitted(levels: &[Vec<f64>], y: &[f64], rows: &[usize]) -> Option<Vec<f64>> {
+pub(super) fn fitted(levels: &[Vec<f64>], y: &[f64], rows: &[usize]) -> Option<Vec<f64>> {
     let columns: Vec<&Vec<f64>> = levels.iter().collect();
     Some(sum_of(&columns, &solved(&columns, y, rows)?, y.len()))
 }
 
-fn mean_square(y: &[f64], q: &[f64], rows: &[usize]) -> f64 {
+pub(super) fn mean_square(y: &[f64], q: &[f64], rows: &[usize]) -> f64 {
     rows.iter().map(|row| (y[*row] - q[*row]).powi(2)).sum::<f64>() / rows.len() as f64
 }
 
