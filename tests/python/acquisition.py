@@ -29,6 +29,8 @@ class Mistake:
     other: dict = None
     #: The channel of `unusable`, if this is also a right answer.
     channel: str = ""
+    #: Number of readings in a row: their mean has less noise, and the error is compared with that of one reading.
+    rows: int = 1
 
 
 def scanned(period, *columns, start=0.0, step=0.0):
@@ -84,13 +86,14 @@ def averaged(rows):
 
 
 def behind(tau, *columns):
-    """Instruments with a first-order filter of `tau` seconds."""
+    """Instruments with a first-order filter of `tau` seconds, and the noise of their converters behind it."""
 
     def change(read):
-        kept = np.exp(-1.0 / (RATE * tau))
+        kept, draw = np.exp(-1.0 / (RATE * tau)), np.random.default_rng(6)
         for column in columns:
             for row in range(1, len(read[column])):
                 read[column][row] = kept * read[column][row - 1] + (1.0 - kept) * read[column][row]
+            read[column] += draw.normal(0.0, 5e-4 * np.ptp(read[column]), len(read[column]))
 
     return change
 
@@ -106,8 +109,8 @@ CASES = {
     "an amplifier with another gain": Mistake({VISCOUS: 1.2e-5}, (2,), f"{TORQUE} is divided by 1.", scaled(TORQUE, 1.4)),
     "a probe with another range": Mistake({}, (1,), f"{CURRENT} is multiplied by 1.5", scaled(CURRENT, 0.65), channel=CURRENT),
     "a pause that is not in the times": Mistake({RADIATION: 8e-10}, (0,), "as if the logger had paused", paused(150.0, 2000.0)),
-    "means over 24 s, viscous friction": Mistake({VISCOUS: 1.2e-5}, ALL, "as means over 24", averaged(12)),
-    "means over 14 s in one run": Mistake({RADIATION: 8e-10}, (1,), "as means over 14", averaged(7)),
+    "means over 24 s, viscous friction": Mistake({VISCOUS: 1.2e-5}, ALL, "as means over 24", averaged(12), rows=12),
+    "means over 14 s, radiation": Mistake({RADIATION: 8e-10}, ALL, "as means over 14", averaged(7), rows=7),
     "two outputs behind filters of 11 s": Mistake(
         {VISCOUS: 1.2e-5}, ALL, "is behind a first-order lag", behind(11.0, VOLTAGE, TORQUE)
     ),

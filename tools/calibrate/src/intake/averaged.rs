@@ -7,7 +7,12 @@
 //! m the row at t, a and b the levels before and after it, T the interval. With lines between the rows, the load would change over two
 //! intervals, with the same mean but a smaller mean square: for a step from 0 to b, b^2 T / 3 of its heat would be missing, more than a winding
 //! stores between two readings if T is a third of its time constant. If the loads of a file change in this way, they get a step there in place
-//! of the row. Steps between two intervals, which leave no such row, are in the middle between their rows. A slow change stays as it is.
+//! of the row. Steps between two intervals, which leave no such row, are in the middle between their rows. A load that takes the time d < T for
+//! its change leaves two such rows if it changes across the border of two intervals, and these tell how long it took:
+//!
+//! d = 2 (sqrt g_1 + sqrt g_2)^2,   g_1 = T (m_1 - a) / (b - a),   g_2 = T (b - m_2) / (b - a)      (2)
+//!
+//! The other changes of this load last as long as these usually do. A slower change stays as it is.
 //!
 //! That the stamp of a row is at the start or at the end of its interval is a shift of all channels together, which changes nothing. A row of
 //! a sampled signal is seldom between two levels; if it is, the step (1) changes the mean square by less than the lines do, and the mean by
@@ -16,27 +21,28 @@
 //! The means of the outputs over an interval with a step are not used. Elsewhere a mean of a temperature is its value in the middle, and
 //! the error of second order,
 //!
-//! y - mean y = -T^2 y'' / 24,   y'' from the mean's neighbours on the same side of a step              (2)
+//! y - mean y = -T^2 y'' / 24,   y'' from the mean's neighbours on the same side of a step              (3)
 //!
 //! is that of the mean over a parabola.
 //!
-//! *Source*: (1) keeps the mean of each interval, and (2) its value, as the reconstruction of a finite volume method: LeVeque, Finite Volume
+//! *Source*: (1) keeps the mean of each interval, and (3) its value, as the reconstruction of a finite volume method: LeVeque, Finite Volume
 //! Methods for Hyperbolic Problems (2002), sections 4.10 and 10.
 
 use super::median;
-use crate::experiment::{Experiment, Start, Table};
+use crate::experiment::{Experiment, Run, Start, Table};
 use crate::levels::{CERTAIN, SMALL};
 use crate::noise;
 use crate::report::count_of;
+use physics::declare::Unit;
 
 /// Fraction of the steps of a load that have a row between their levels, from which rows are means. Definition: the majority.
 const MEANS: f64 = 0.5;
 /// Fewest such rows of a file. Derivation: if a sampled step has such a row as often as not, six have one each with a probability of 2 %.
 const FEWEST: usize = 6;
-/// Half of the duration of a step that is put in, as a fraction of the interval between rows. Numerical: its heat is known to 1e-3.
+/// Shortest duration of a step that is put in, as a fraction of the interval between rows. Numerical: its heat is known to 1e-3.
 const WIDTH: f64 = 1e-3;
 
-/// Fewest rows of a part between two steps for (2). Definition: two second differences, of which the line gives that of its first row.
+/// Fewest rows of a part between two steps for (3). Definition: two second differences, of which the line gives that of its first row.
 const LEAST_PART: usize = 4;
 /// Standard deviation of a second difference of readings, and of one that is continued as a line, in that of a reading. Derivation: the
 /// weights 1, -2, 1 and 2, -5, 4, -1.
@@ -53,39 +59,60 @@ struct Step {
     after: usize,
     /// Whether a row is between the levels.
     is_mixed: bool,
-    /// Its time, and the standard deviation of that, s.
+    /// The time of its middle, and the standard deviation of that, s.
     time: f64,
     error: f64,
+    /// Its duration, s, if two rows show it.
+    duration: Option<f64>,
 }
 
 /// Puts steps of the loads in files whose rows are means, with notes.
 pub fn reconstruct(experiment: &mut Experiment) {
-    let loads: Vec<usize> =
-        (0..experiment.inputs.len()).filter(|k| !experiment.inputs[*k].is_temperature()).collect();
-    let steps: Vec<Vec<Step>> = experiment.runs.iter().map(|run| steps(&run.table, &loads)).collect();
+    let inputs = &experiment.inputs;
+    let loads: Vec<usize> = (0..inputs.len()).filter(|k| !inputs[*k].is_temperature()).collect();
+    let is_zero_at_rest = |unit| !matches!(unit, Unit::Kelvin | Unit::Pascal | Unit::CubicMetrePerSecond);
+    let is_load: Vec<bool> = inputs.iter().map(|channel| is_zero_at_rest(channel.unit)).collect();
+    let from_rest = |run: &Run| {
+        let mut table = run.table.clone();
+        if run.start == Start::Ambient {
+            let interval = median(intervals(&table));
+            from_rest(&mut table, &is_load, interval);
+        }
+        table
+    };
+    let tables: Vec<Table> = experiment.runs.iter().map(from_rest).collect();
+    let steps: Vec<Vec<Step>> = tables.iter().map(|table| steps(table, &loads)).collect();
     let is_temperature: Vec<bool> = experiment.outputs.iter().map(|c| c.is_temperature()).collect();
     let files: Vec<(String, Vec<usize>)> = super::consistency::files(experiment)
         .into_iter()
         .map(|(file, runs)| (file.to_string(), runs))
         .collect();
-    for (file, runs) in files {
-        // Another load may be changed at full minutes, between two rows.
+    // Another load may be changed at full minutes, between two rows.
+    let mixed = |runs: &[usize]| {
         let of = |column: &usize| {
             let own = runs.iter().flat_map(|run| &steps[*run]).filter(|step| step.column == *column);
             own.fold((0, 0), |(all, mixed), step| (all + 1, mixed + usize::from(step.is_mixed)))
         };
         let is_mean =
             |(all, mixed): &(usize, usize)| *mixed >= FEWEST && *mixed as f64 >= MEANS * *all as f64;
-        let Some((_, mixed)) = loads.iter().map(of).filter(is_mean).max_by_key(|(_, mixed)| *mixed) else {
-            continue;
-        };
+        loads.iter().map(of).filter(is_mean).map(|(_, mixed)| mixed).max()
+    };
+    let means: Vec<(String, Vec<usize>, usize)> =
+        files.into_iter().filter_map(|(file, runs)| mixed(&runs).map(|mixed| (file, runs, mixed))).collect();
+    // One bench changes its loads alike in all files. A change of duration d crosses a border with probability d / T.
+    let duration = |column: &usize| {
+        let own = means.iter().flat_map(|(_, runs, _)| runs).flat_map(|run| &steps[*run]);
+        let own: Vec<&Step> = own.filter(|step| step.column == *column).collect();
+        let shown: Vec<f64> = own.iter().filter_map(|step| step.duration).collect();
+        let part = shown.len() as f64 / own.len().max(1) as f64;
+        let interval = median(tables.iter().flat_map(intervals));
+        (*column, if part > 0.0 { median(shown.into_iter()).min(part * interval) } else { 0.0 })
+    };
+    let durations: Vec<(usize, f64)> = loads.iter().map(duration).collect();
+    for (file, runs, mixed) in means {
         let interval = median(runs.iter().flat_map(|run| intervals(&experiment.runs[*run].table)));
         for run in runs {
-            let own = &mut experiment.runs[run];
-            own.table = with_steps(&own.table, &is_temperature, &steps[run]);
-            if own.start == Start::Ambient {
-                from_the_edge(&mut own.table, is_temperature.len(), interval);
-            }
+            experiment.runs[run].table = with_steps(&tables[run], &is_temperature, &steps[run], &durations);
         }
         experiment.notes.push(format!(
             "{file}: {} between the levels before and after a step of a load, as means over {interval:.3} s are: the loads step at the times \
@@ -131,10 +158,14 @@ struct Load<'a> {
 impl Load<'_> {
     /// The step whose levels are those of the rows beside this one, or beside this one and the next.
     fn step(&self, column: usize, row: usize) -> Option<Step> {
-        self.over(column, row - 1, row + 1).or_else(|| self.over(column, row - 1, row + 2))
+        let two = self.over(column, row - 1, row + 2);
+        let both = two.filter(|step| step.duration.is_some());
+        let sharp = two.filter(|step| !step.is_mixed);
+        // Of two rows between the levels, the second may be nearly at its level; if only one is, it is found alone.
+        both.or_else(|| self.over(column, row - 1, row + 1)).or(sharp)
     }
 
-    /// (1) for one row or two between two levels; of two, only one is between them.
+    /// (1) for one row or two between two levels, (2) if both are.
     fn over(&self, column: usize, before: usize, after: usize) -> Option<Step> {
         let (a, b) = (*self.values.get(before)?, *self.values.get(after)?);
         let (change, least) = (b - a, CERTAIN * self.noise);
@@ -146,17 +177,25 @@ impl Load<'_> {
             return None;
         }
         let between = &self.values[before + 1..after];
-        let from_a = |m: &f64| (m - a) * change.signum();
-        let is_mixed = |m: &&f64| from_a(m) > least && change.abs() - from_a(m) > least;
-        let is_within = |m: &f64| from_a(m) > -least && change.abs() - from_a(m) > -least;
-        let mixed = between.iter().filter(is_mixed).count();
-        if mixed > 1 || !between.iter().all(is_within) {
+        let shares = || between.iter().map(|m| (m - a) / change);
+        let tolerance = least / change.abs();
+        let is_monotone = shares().is_sorted_by(|x, y| x <= &(y + tolerance));
+        if !is_monotone || !shares().all(|share| (-tolerance..1.0 + tolerance).contains(&share)) {
             return None;
         }
-        let share: f64 = between.iter().map(|m| (b - m) / change).sum();
-        let time = self.time[before] + self.usual * (0.5 + share);
+        let is_mixed = |share: &f64| *share > tolerance && *share < 1.0 - tolerance;
+        let mixed: Vec<f64> = shares().filter(is_mixed).collect();
+        let duration = match mixed[..] {
+            [first, second] => Some(2.0 * self.usual * (first.sqrt() + (1.0 - second).sqrt()).powi(2)),
+            _ => None,
+        };
+        // A longer change is one that was read at instants.
+        if duration.is_some_and(|duration| duration > self.usual) {
+            return None;
+        }
+        let time = self.time[before] + self.usual * (0.5 + shares().map(|share| 1.0 - share).sum::<f64>());
         let error = self.usual * self.noise * (between.len() as f64).sqrt() / change.abs();
-        Some(Step { column, before, after, time, error, is_mixed: mixed == 1 })
+        Some(Step { column, before, after, is_mixed: !mixed.is_empty(), time, error, duration })
     }
 
     /// Whether rows follow each other at the usual interval.
@@ -186,7 +225,9 @@ struct Break {
     /// Times of the rows at its levels, s.
     ends: (f64, f64),
     levels: (f64, f64),
+    /// Its middle and its duration, s.
     time: f64,
+    duration: f64,
 }
 
 impl Break {
@@ -195,46 +236,35 @@ impl Break {
     }
 
     fn level(&self, at: f64) -> f64 {
-        if at < self.time { self.levels.0 } else { self.levels.1 }
+        let share = ((at - self.time) / self.duration + 0.5).clamp(0.0, 1.0);
+        self.levels.0 + share * (self.levels.1 - self.levels.0)
     }
 }
 
-/// The table with two rows at each step in place of a change over the rows beside it.
-fn with_steps(table: &Table, is_temperature: &[bool], steps: &[Step]) -> Table {
+/// The table with two rows at each step in place of a change over the rows beside it. `durations` are the usual ones of the loads, s.
+fn with_steps(table: &Table, is_temperature: &[bool], steps: &[Step], durations: &[(usize, f64)]) -> Table {
     let inputs = table.columns.len() - is_temperature.len();
     let usual = median(intervals(table));
+    let shortest = WIDTH * usual;
     let mut own = table.clone();
-    let (mut breaks, mut is_blank) = (Vec::new(), vec![false; table.time.len()]);
-    // Loads that step together do so at one time, known best from the greatest step.
-    let mut times: Vec<(f64, f64)> = steps.iter().map(|step| (step.time, step.error)).collect();
-    times.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut distinct: Vec<(f64, f64)> = Vec::new();
-    for one in times {
-        let is_same = |other: &&(f64, f64)| {
-            (one.0 - other.0).abs() <= CERTAIN * one.1.hypot(other.1) + 2.0 * WIDTH * usual
-        };
-        if !distinct.iter().any(|other| is_same(&other)) {
-            distinct.push(one);
-        }
-    }
-    let at = |step: &Step| {
-        let nearest =
-            |a: &&(f64, f64), b: &&(f64, f64)| (a.0 - step.time).abs().total_cmp(&(b.0 - step.time).abs());
-        distinct.iter().min_by(nearest).map_or(step.time, |one| one.0)
-    };
+    let mut is_blank = vec![false; table.time.len()];
+    let mut breaks: Vec<Break> = Vec::new();
+    let middles = middles(steps, shortest);
     for step in steps {
-        let (time, rows) = (at(step), step.before + 1..step.after);
-        for row in rows.clone() {
-            let off = (table.time[row] - time).abs() - 0.5 * usual;
+        let nearest = |a: &&f64, b: &&f64| (*a - step.time).abs().total_cmp(&(*b - step.time).abs());
+        let time = middles.iter().min_by(nearest).copied().unwrap_or(step.time);
+        let ends = (table.time[step.before], table.time[step.after]);
+        // A change that one row shows is within its interval.
+        let room = (time - ends.0).min(ends.1 - time) - 0.5 * usual;
+        let of_load = durations.iter().find(|(column, _)| *column == step.column).map_or(0.0, |own| own.1);
+        let duration = step.duration.unwrap_or(of_load.min(2.0 * room)).max(shortest);
+        let levels = (table.columns[step.column][step.before], table.columns[step.column][step.after]);
+        let one = Break { column: step.column, ends, levels, time, duration };
+        for row in step.before + 1..step.after {
+            let off = (table.time[row] - time).abs() - 0.5 * (usual + duration);
             is_blank[row] |= off < CERTAIN * step.error;
+            own.columns[step.column][row] = one.level(table.time[row]);
         }
-        let one = Break {
-            column: step.column,
-            ends: (table.time[step.before], table.time[step.after]),
-            levels: (table.columns[step.column][step.before], table.columns[step.column][step.after]),
-            time,
-        };
-        rows.for_each(|row| own.columns[step.column][row] = one.level(table.time[row]));
         breaks.push(one);
     }
     for (k, column) in own.columns.iter_mut().enumerate().skip(inputs) {
@@ -243,29 +273,42 @@ fn with_steps(table: &Table, is_temperature: &[bool], steps: &[Step]) -> Table {
             point_values(&own.time, column);
         }
     }
-    let half = WIDTH * usual;
-    for (time, _) in distinct {
-        for at in [time - half, time + half] {
-            let row = own.time.partition_point(|t| *t < at);
-            // A row at the time of a step is on one side of it.
-            if own.time.get(row).is_some_and(|t| *t == at) {
-                continue;
-            }
-            let value = |column: usize| match breaks.iter().find(|one| one.column == column && one.spans(at))
-            {
-                _ if column >= inputs => f64::NAN,
-                Some(one) => one.level(at),
-                None => between(&own, column, row, at),
-            };
-            let values: Vec<f64> = (0..own.columns.len()).map(value).collect();
-            own.time.insert(row, at);
-            own.columns.iter_mut().zip(values).for_each(|(column, value)| column.insert(row, value));
+    let edges = |one: &Break| [one.time - 0.5 * one.duration, one.time + 0.5 * one.duration];
+    for at in breaks.iter().flat_map(edges) {
+        let row = own.time.partition_point(|t| *t < at);
+        let is_near = |row: usize| own.time.get(row).is_some_and(|t| (t - at).abs() < WIDTH * shortest);
+        // A row there is on the line already.
+        if is_near(row) || row.checked_sub(1).is_some_and(is_near) {
+            continue;
         }
+        let value = |column: usize| match breaks.iter().find(|one| one.column == column && one.spans(at)) {
+            _ if column >= inputs => f64::NAN,
+            Some(one) => one.level(at),
+            None => between(&own, column, row, at),
+        };
+        let values: Vec<f64> = (0..own.columns.len()).map(value).collect();
+        own.time.insert(row, at);
+        own.columns.iter_mut().zip(values).for_each(|(column, value)| column.insert(row, value));
     }
     own
 }
 
-/// (2) between the blank rows of a temperature, where y'' is more than noise.
+/// The different times of steps, s: loads that step together do so at one time, known best from the greatest step.
+fn middles(steps: &[Step], least: f64) -> Vec<f64> {
+    let mut times: Vec<(f64, f64)> = steps.iter().map(|step| (step.time, step.error)).collect();
+    times.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut all: Vec<(f64, f64)> = Vec::new();
+    for one in times {
+        let is_same =
+            |other: &(f64, f64)| (one.0 - other.0).abs() <= CERTAIN * one.1.hypot(other.1) + 2.0 * least;
+        if !all.iter().any(is_same) {
+            all.push(one);
+        }
+    }
+    all.into_iter().map(|one| one.0).collect()
+}
+
+/// (3) between the blank rows of a temperature, where y'' is more than noise.
 fn point_values(time: &[f64], column: &mut [f64]) {
     let noise = noise::of_column(time, column).unwrap_or(0.0);
     let is_known: Vec<bool> = column.iter().map(|x| x.is_finite()).collect();
@@ -291,13 +334,17 @@ fn point_values(time: &[f64], column: &mut [f64]) {
     }
 }
 
-/// A row at the start of the first interval: the motor is at the ambient temperature there, and not in its middle.
-fn from_the_edge(table: &mut Table, outputs: usize, interval: f64) {
-    let inputs = table.columns.len() - outputs;
+/// A row at rest, an interval before the first: a motor that starts at the ambient temperature had no load.
+fn from_rest(table: &mut Table, is_load: &[bool], interval: f64) {
     let Some(first) = table.time.first().copied() else { return };
-    table.time.insert(0, first - 0.5 * interval);
+    table.time.insert(0, first - interval);
     for (k, column) in table.columns.iter_mut().enumerate() {
-        column.insert(0, if k < inputs { column[0] } else { f64::NAN });
+        let value = match is_load.get(k) {
+            Some(true) => 0.0,
+            Some(false) => column[0],
+            None => f64::NAN,
+        };
+        column.insert(0, value);
     }
 }
 
@@ -406,12 +453,11 @@ mod tests {
                 columns[CURRENT][k] = 0.5 * (columns[CURRENT][k - 1] + columns[CURRENT][k + 1]);
             }
         };
-        for mut data in
-            [experiment(44), with_inputs(45, wave), with_inputs(46, ramps), with_inputs(47, edges)]
-        {
+        let all = [experiment(44), with_inputs(45, wave), with_inputs(46, ramps), with_inputs(47, edges)];
+        for (n, mut data) in all.into_iter().enumerate() {
             let as_is = data.runs[0].table.clone();
             reconstruct(&mut data);
-            assert!(data.notes.is_empty(), "{:?}", data.notes);
+            assert!(data.notes.is_empty(), "{n}: {:?}", data.notes);
             let columns = [CURRENT, SPEED, FAN, WINDING].map(|k| &as_is.columns[k]);
             assert_eq!(columns, [CURRENT, SPEED, FAN, WINDING].map(|k| &data.runs[0].table.columns[k]));
         }

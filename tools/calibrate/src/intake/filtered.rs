@@ -5,7 +5,7 @@
 //! an output behind a filter F:    y = F q(u)                                                       (1)
 //! an input behind a first-order lag:    y = q(u + tau du/dt)                                      (2)
 //!
-//! F is a lag of first or second order, a mean over the last seconds, or a delay, which is here to be compared with: `clocks.rs` states it
+//! F is a lag of first or second order, an exponential smoothing of the rows, a mean over the last seconds, or a delay, which is here to be compared with: `clocks.rs` states it
 //! better. q is fitted anew for each. The filter of an input acts on all outputs that follow from it; it is a mistake in the data if (2)
 //! explains them better than (1) with a filter for each. An input without its filter would have several times the noise, and heats by its
 //! square, so that it is not corrected. The readings of an output count where F q differs from q by less than half of the noise.
@@ -32,19 +32,21 @@ const NEAREST: f64 = 1.01;
 enum Filter {
     /// Lags of first order, one behind the other.
     Lag(usize),
+    /// Exponential smoothing row by row, as a logger's program does it.
+    Smoothing,
     /// Mean over the last seconds.
     Mean,
     /// The same reading later.
     Delay,
 }
 
-const FILTERS: [Filter; 4] = [Filter::Lag(1), Filter::Lag(2), Filter::Mean, Filter::Delay];
+const FILTERS: [Filter; 5] = [Filter::Lag(1), Filter::Lag(2), Filter::Smoothing, Filter::Mean, Filter::Delay];
 
 impl Filter {
     /// `None` for a delay, which is no filter.
     fn words(self, tau: f64) -> Option<String> {
         match self {
-            Filter::Lag(1) => Some(format!("a first-order lag of about {tau:.1} s")),
+            Filter::Lag(1) | Filter::Smoothing => Some(format!("a first-order lag of about {tau:.1} s")),
             Filter::Lag(_) => Some(format!("two first-order lags of about {tau:.1} s each")),
             Filter::Mean => Some(format!("a mean over about the last {tau:.1} s")),
             Filter::Delay => None,
@@ -55,6 +57,7 @@ impl Filter {
     fn after(self, tau: f64, factor: f64) -> f64 {
         match self {
             Filter::Lag(order) => order as f64 * tau * factor.ln(),
+            Filter::Smoothing => tau * factor.ln(),
             Filter::Mean | Filter::Delay => tau.min(tau * factor.ln()),
         }
     }
@@ -63,6 +66,13 @@ impl Filter {
     fn of(self, time: &[f64], column: &[f64], tau: f64) -> Vec<f64> {
         match self {
             Filter::Lag(order) => (0..order).fold(column.to_vec(), |x, _| lagged(time, &x, tau)),
+            Filter::Smoothing => {
+                let mut y = column.to_vec();
+                for k in 1..y.len() {
+                    y[k] += ((time[k - 1] - time[k]) / tau).exp() * (y[k - 1] - y[k]);
+                }
+                y
+            }
             Filter::Mean => {
                 let area = integral(time, column);
                 let since = |t: f64| between(time, &area, t).unwrap_or(column[0] * (t - time[0]));
@@ -120,7 +130,14 @@ pub(super) struct Place {
 }
 
 /// The readings at a place, and the mean square that q leaves in all of them.
-type AsIs = (Readings, f64);
+pub(super) type AsIs = (Readings, f64);
+
+/// Those of a place; `None` if they are too few.
+pub(super) fn as_is(experiment: &Experiment, model: &[Vec<f64>], place: &Place) -> Option<AsIs> {
+    let own = Readings::new(experiment, model, place.run, place.output)?;
+    let left = own.left()?;
+    Some((own, left))
+}
 
 /// Gain in -2 ln p if a mean square of the residual of these readings takes the place of another one.
 fn gain(own: &Readings, as_is: f64, changed: f64) -> f64 {
@@ -137,12 +154,7 @@ pub(super) fn input(
     let runs = all_runs(experiment);
     let read = |experiment: &Experiment| -> Option<Vec<AsIs>> {
         let model = predicted(experiment, preset, &runs, deadline);
-        let of = |place: &Place| {
-            let own = Readings::new(experiment, &model[place.run], place.run, place.output)?;
-            let left = own.left()?;
-            Some((own, left))
-        };
-        places.iter().map(of).collect()
+        places.iter().map(|place| as_is(experiment, &model[place.run], place)).collect()
     };
     let all = read(experiment)?;
     let step = all.iter().map(|(own, _)| own.step()).fold(0.0, f64::max);
@@ -163,7 +175,7 @@ pub(super) fn input(
         }
     }
     let (own, mistake) = best?;
-    let of_outputs: f64 = all.iter().filter_map(|one| filtered(one).map(|(gain, ..)| gain)).sum();
+    let of_outputs: f64 = all.iter().filter_map(|one| filtered(&[one]).map(|(gain, ..)| gain)).sum();
     let possible: f64 =
         all.iter().zip(places).map(|((own, as_is), place)| gain(own, *as_is, place.least)).sum();
     if own < of_outputs + LEAST || own < SMALL * possible {
@@ -173,16 +185,19 @@ pub(super) fn input(
     Some(Unusable { mistake: Some(Box::new(mistake)), ..Unusable::new(&channel, reason, suggestion) })
 }
 
-/// The filter that explains an output best: its gain, kind and time.
-fn filtered((own, as_is): &AsIs) -> Option<(f64, Filter, f64)> {
+/// The filter that explains an output in some runs best: its gain, kind and time.
+fn filtered(all: &[&AsIs]) -> Option<(f64, Filter, f64)> {
     let of = |(filter, tau): (Filter, f64)| {
-        let left = own.behind(|column| filter.of(&own.time, column, tau))?;
-        Some((gain(own, *as_is, left), filter, tau))
+        let of_run = |(own, as_is): &&AsIs| {
+            Some(gain(own, *as_is, own.behind(|column| filter.of(&own.time, column, tau))?))
+        };
+        Some((all.iter().map(of_run).sum::<Option<f64>>()?, filter, tau))
     };
     let best =
         |all: &mut dyn Iterator<Item = (Filter, f64)>| all.filter_map(of).max_by(|a, b| a.0.total_cmp(&b.0));
+    let step = all.iter().map(|(own, _)| own.step()).fold(0.0, f64::max);
     let mut found =
-        best(&mut FILTERS.into_iter().flat_map(|filter| times(own.step()).map(move |tau| (filter, tau))))?;
+        best(&mut FILTERS.into_iter().flat_map(|filter| times(step).map(move |tau| (filter, tau))))?;
     let mut ratio = RATIO;
     while ratio > NEAREST {
         ratio = ratio.sqrt();
@@ -192,34 +207,36 @@ fn filtered((own, as_is): &AsIs) -> Option<(f64, Filter, f64)> {
     Some(found)
 }
 
-/// The filter of an output, in words, and the rows whose readings it changes by more than half of the noise, if it explains all rows nearly as
-/// well as those away from changes are explained without it.
-pub(super) fn output(own: Readings, least: f64) -> Option<(String, Vec<usize>)> {
-    let as_is = own.left()?;
-    let one = (own, as_is);
-    let (gain, filter, tau) = filtered(&one)?;
-    let own = &one.0;
-    let columns: Vec<Vec<f64>> = own.levels.iter().map(|column| filter.of(&own.time, column, tau)).collect();
-    let all: Vec<usize> = (0..own.rows.len()).collect();
-    let behind = fitted(&columns, &own.y, &all)?;
+/// The filter of an output, in words, and by run the rows whose readings it changes by more than half of the noise, if it explains all rows
+/// nearly as well as those away from changes are explained without it. A filter belongs to the instrument and not to a run.
+pub(super) fn output(runs: &[AsIs], least: &[f64]) -> Option<(String, Vec<Vec<usize>>)> {
+    let (gain, filter, tau) = filtered(&runs.iter().collect::<Vec<_>>())?;
     let words = filter.words(tau)?;
-    if gain < LEAST || mean_square(&own.y, &behind, &all) > FACTOR * least {
-        return None;
-    }
-    let at_once = sum(&own.levels, &weights(&columns, &own.y, &all)?, all.len());
-    let off: Vec<f64> = behind.iter().zip(&at_once).map(|(a, b)| (a - b).abs()).collect();
-    let least = CALIBRATED * noise::of_column(&own.time, &own.y)?;
-    // Changes that are no noise of the inputs, and the time in which a lag takes them to the least.
-    let seen = least + CERTAIN * noise::of_column(&own.time, &off)?;
-    let after = filter.after(tau, seen / least);
-    let mut until = f64::NEG_INFINITY;
-    let is_off = |row: &usize| {
-        if off[*row] > seen {
-            until = own.time[*row] + after;
-        }
-        own.time[*row] <= until
+    let of = |(own, _): &AsIs| {
+        let columns: Vec<Vec<f64>> =
+            own.levels.iter().map(|column| filter.of(&own.time, column, tau)).collect();
+        let all: Vec<usize> = (0..own.rows.len()).collect();
+        let behind = fitted(&columns, &own.y, &all)?;
+        let left = mean_square(&own.y, &behind, &all);
+        let at_once = sum(&own.levels, &weights(&columns, &own.y, &all)?, all.len());
+        let off: Vec<f64> = behind.iter().zip(&at_once).map(|(a, b)| (a - b).abs()).collect();
+        let least = CALIBRATED * noise::of_column(&own.time, &own.y)?;
+        // Changes that are no noise of the inputs, and the time in which the filter takes them to the least.
+        let seen = least + CERTAIN * noise::of_column(&own.time, &off)?;
+        let after = filter.after(tau, seen / least);
+        let mut until = f64::NEG_INFINITY;
+        let is_off = |row: &usize| {
+            if off[*row] > seen {
+                until = own.time[*row] + after;
+            }
+            own.time[*row] <= until
+        };
+        Some((left, all.into_iter().filter(is_off).map(|row| own.rows[row]).collect::<Vec<_>>()))
     };
-    Some((words, all.into_iter().filter(is_off).map(|row| own.rows[row]).collect()))
+    let all: Vec<(f64, Vec<usize>)> = runs.iter().map(of).collect::<Option<_>>()?;
+    // Of all runs together, as the filter.
+    let ratio = crate::numbers::median(all.iter().zip(least).map(|((left, _), least)| left / least));
+    (gain > LEAST && ratio <= FACTOR).then(|| (words, all.into_iter().map(|(_, rows)| rows).collect()))
 }
 
 #[cfg(test)]

@@ -73,30 +73,32 @@ pub fn set_aside(
     if input.is_some() {
         return input;
     }
-    for (Place { output, run, least }, Found { rows, span, .. }) in late {
-        let (column, channel) = (experiment.place_of(output), experiment.outputs[output].column);
-        let readings = Readings::new(experiment, &predicted[run], run, output);
-        let (what, rows) = match readings.and_then(|own| filtered::output(own, least)) {
-            Some((filter, rows)) => (format!("is behind {filter}"), rows),
-            None => {
-                let [before, after] = span.map(converted);
-                let what = format!(
-                    "does not follow the inputs at the same row, but up to {before} s earlier or {after} s later, as behind a filter or a hold, \
-                     or on another clock: this channel, or an input"
-                );
-                (what, rows)
-            }
-        };
-        let own = &mut experiment.runs[run];
-        rows.iter().for_each(|row| own.table.columns[column][*row] = f64::NAN);
-        let verb = if rows.len() == 1 { "is" } else { "are" };
-        let count = count_of(rows.len(), "reading");
-        experiment.notes.push(format!(
-            "{}: {channel} {what}; {count} around changes of the load {verb} set aside",
-            own.file
-        ));
+    for own in late.chunk_by(|a, b| a.0.output == b.0.output) {
+        let least: Vec<f64> = own.iter().map(|(place, _)| place.least).collect();
+        let read: Option<Vec<_>> =
+            own.iter().map(|(place, _)| filtered::as_is(experiment, &predicted[place.run], place)).collect();
+        let filter = read.and_then(|read| filtered::output(&read, &least));
+        for (n, (place, found)) in own.iter().enumerate() {
+            let (what, rows) = match &filter {
+                Some((filter, rows)) => (format!("is behind {filter}"), &rows[n]),
+                None => (found.words(), &found.rows),
+            };
+            blank(experiment, place, &what, rows);
+        }
     }
     None
+}
+
+/// Sets aside these readings, with a note.
+fn blank(experiment: &mut Experiment, place: &Place, what: &str, rows: &[usize]) {
+    let (column, channel) = (experiment.place_of(place.output), experiment.outputs[place.output].column);
+    let own = &mut experiment.runs[place.run];
+    rows.iter().for_each(|row| own.table.columns[column][*row] = f64::NAN);
+    let verb = if rows.len() == 1 { "is" } else { "are" };
+    let count = count_of(rows.len(), "reading");
+    experiment
+        .notes
+        .push(format!("{}: {channel} {what}; {count} around changes of the load {verb} set aside", own.file));
 }
 
 /// Rows whose readings belong to other times, and the greatest distance before and after a row from which they are, s.
@@ -105,6 +107,16 @@ struct Found {
     span: [f64; 2],
     /// Mean square of the residual of the other rows.
     of_kept: f64,
+}
+
+impl Found {
+    fn words(&self) -> String {
+        let [before, after] = self.span.map(converted);
+        format!(
+            "does not follow the inputs at the same row, but up to {before} s earlier or {after} s later, as behind a filter or a hold, or on \
+             another clock: this channel, or an input"
+        )
+    }
 }
 
 /// Known readings of an output in a run.
