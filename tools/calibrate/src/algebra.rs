@@ -8,7 +8,8 @@ use nalgebra::{Cholesky, DMatrix, DMatrixView, Dyn, Matrix, Storage};
 
 /// Columns of a block. Numerical: a block of 48 by 48 values fits into the cache of first level.
 const BLOCK: usize = 48;
-/// Least number of columns for which nalgebra multiplies block by block. Numerical: its own limit.
+/// Least number of rows and columns for which nalgebra multiplies block by block; with fewer rows it would read a transposed view beyond its
+/// end. Numerical: its own limit.
 const WIDE: usize = 6;
 
 /// a'b.
@@ -22,7 +23,7 @@ fn product_of(
     (rows, columns): (usize, usize),
     b: &Matrix<f64, Dyn, Dyn, impl Storage<f64, Dyn, Dyn>>,
 ) -> DMatrix<f64> {
-    if columns.min(b.ncols()) < WIDE {
+    if rows.min(columns).min(b.ncols()) < WIDE {
         return DMatrixView::from_slice(a, rows, columns).tr_mul(b);
     }
     let (rows, columns) = (Dyn(rows), Dyn(columns));
@@ -122,6 +123,15 @@ mod tests {
             for (k, own) in groups.iter().enumerate() {
                 let part = z.columns(k * width, width).into_owned();
                 assert!((own - part.tr_mul(&part)).norm() < 1e-12 * own.norm());
+            }
+        }
+        // Few rows: a null model of few parameters.
+        for rows in 0..=WIDE {
+            let few = z.rows(0, rows).into_owned();
+            assert!((product(&few, &few) - few.tr_mul(&few)).norm() < 1e-9);
+            for (k, own) in squares_of_groups(&few, WIDE + 1).iter().enumerate() {
+                let part = few.columns(k * (WIDE + 1), WIDE + 1).into_owned();
+                assert!((own - part.tr_mul(&part)).norm() < 1e-9, "{rows}");
             }
         }
         for columns in [1, WIDE] {
