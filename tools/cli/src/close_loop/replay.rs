@@ -183,7 +183,7 @@ fn shown(
             continue;
         }
         let (from, to, t, h) = (row(k), row(k + 1), drive.time[k], next - drive.time[k]);
-        let slopes: Vec<f64> = from.iter().zip(&to).map(|(a, b)| (b - a) / h).collect();
+        let slopes: Vec<f64> = from.iter().zip(&to).map(|(a, b)| slope(*a, *b, h)).collect();
         fmu.set_input_derivatives(&inputs, &slopes)?;
         over = fmu.do_step(t, h)? == Step::Terminated;
         if !over {
@@ -192,6 +192,13 @@ fn shown(
     }
     fmu.terminate()?;
     Ok(shown)
+}
+
+/// Slope from one value to another, which rounding does not exceed at the end: that may be a limit of the input.
+fn slope(from: f64, to: f64, h: f64) -> f64 {
+    let slope = (to - from) / h;
+    let beyond = (from + slope * h - to) * (to - from).signum();
+    if beyond > 0.0 { slope * (1.0 - 4.0 * f64::EPSILON) - slope.signum() * beyond / h } else { slope }
 }
 
 fn references<'a>(
@@ -273,6 +280,22 @@ fn compare(experiment: &Experiment, outcome: &Outcome, place: usize, shown: &[Ve
             if let Ok(k) = run.table.time.binary_search_by(|x| x.total_cmp(t)) {
                 sum.apart = sum.apart.max((shown[n][k] - channel.offset - native).abs());
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::slope;
+
+    /// Down to a limit of 0 and up to one of 1, from values that are no binary fractions.
+    #[test]
+    fn a_line_to_a_limit_ends_within_it() {
+        for k in 1..2000 {
+            let (from, h) = (1e-5 / f64::from(k), 0.1 * f64::from(k % 37 + 1));
+            assert!(from + slope(from, 0.0, h) * h >= 0.0, "{k}");
+            assert!(1.0 - from + slope(1.0 - from, 1.0, h) * h <= 1.0, "{k}");
+            assert!((slope(from, 0.0, h) * h / from + 1.0).abs() < 1e-12);
         }
     }
 }

@@ -101,10 +101,10 @@ macro_rules! cooling {
     };
 }
 
-/// A change as a function of the value.
+/// A change as a function of the magnitude of the value: a measured flow that stops is negative at times.
 #[inline(always)]
 fn change(of: impl Fn(f64) -> f64, value: f64) -> f64 {
-    of(value)
+    of(value.abs())
 }
 
 cooling! {

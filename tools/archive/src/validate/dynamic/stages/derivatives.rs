@@ -12,6 +12,12 @@ const PARTS: usize = 200;
 const FINER: usize = 32;
 /// Steps over which derivatives are averaged, so that oscillations cancel.
 const WINDOW: usize = 4;
+/// Ratio of the step of a comparison to that of a second one, which a disagreement has to survive: an oscillation within a step, such as that of
+/// a commutation, may be at the same phase after each of the one, and then not of the other. The golden ratio is farthest from fractions.
+const OTHER: f64 = 0.618_033_988_749_895;
+/// Number of shorter steps, each by [`FINER`], with which a disagreement is compared again, and number of steps of each: a variable may jump
+/// within the others, as the resistance of the conducting phases does at each commutation, and its derivative does not show that.
+const SHORTER: (i32, usize) = (4, 4 * WINDOW);
 /// Orders of output derivatives that are tried.
 const HIGHEST: i32 = 10;
 
@@ -57,6 +63,17 @@ impl Series {
         let wrong = factors.len() >= 3 && 10 * factors.len() >= 8 * informative;
         example.filter(|_| wrong && (!look.is_fine || is_steady(&factors)))
     }
+
+    /// Whether nearly all difference quotients are the derivative, whatever the errors of the values may be.
+    fn agrees(&self, look: &Look) -> bool {
+        let pairs = self.values.windows(2).zip(self.slopes.windows(2));
+        let all = pairs.map(|(x, d)| ((x[1] - x[0]) / look.h, 0.5 * (d[0] + d[1])));
+        let all: Vec<bool> = all
+            .filter(|(measured, given)| *measured != 0.0 && given.is_finite())
+            .map(|(measured, given)| (measured - given).abs() <= SHARE * given.abs())
+            .collect();
+        all.len() >= 3 && 10 * all.iter().filter(|agrees| **agrees).count() >= 8 * all.len()
+    }
 }
 
 /// Whether nearly the whole change is that of one step, as of a counter: a derivative does not show it.
@@ -90,12 +107,17 @@ fn looks(subject: &Subject) -> Vec<Look> {
         // Multiples of the step: some FMUs accept no others.
         looks.push(Look { h: (slow / h).floor() * h, n: PARTS, is_fine: false });
     }
-    let is_free =
-        subject.interface.can_handle_variable_step && subject.interface.fixed_internal_step_size.is_none();
-    if is_free || subject.interface.kind == InterfaceType::ModelExchange {
+    if has_any_step(subject) {
         looks.push(Look { h: h / FINER as f64, n: FINER, is_fine: true });
     }
     looks
+}
+
+/// Whether the length of a step is free.
+fn has_any_step(subject: &Subject) -> bool {
+    let is_free =
+        subject.interface.can_handle_variable_step && subject.interface.fixed_internal_step_size.is_none();
+    is_free || subject.interface.kind == InterfaceType::ModelExchange
 }
 
 /// A session at the beginning of a comparison. A fine one begins where variables change.
@@ -184,37 +206,66 @@ fn follow(
 ) -> Result<(), Fault> {
     let mut largest = vec![0.0_f64; variables.len()];
     for look in looks(subject) {
-        let (mut session, mut drive) = begin(subject, &look)?;
-        let start = session.now;
-        let mut series = vec![Series::default(); variables.len()];
-        let mut before = session.get_all(variables)?;
-        for k in 0..=look.n {
-            if k > 0 && !drive.advance(&mut session, look.h)? {
-                break;
-            }
-            let now = session.get_all(variables)?;
-            // The first step counts, too: a fast variable may settle in it.
-            let change = before.iter().zip(&now).map(|(a, b)| (b - a).abs() / look.h);
-            largest.iter_mut().zip(change).for_each(|(l, change)| *l = l.max(change));
-            before = now;
-            if k > 0 || from_start {
-                let d = read(&mut session)?;
-                series.iter_mut().zip(before.iter().zip(&d)).for_each(|(s, (x, d))| s.push(*x, *d));
-                largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
+        let (mut found, _) = at_steps(subject, variables, from_start, &read, (&look, &mut largest))?;
+        if !found.is_empty() && has_any_step(subject) {
+            let mut other = Look { h: OTHER * look.h, ..look };
+            let (again, agree) = at_steps(subject, variables, from_start, &read, (&other, &mut largest))?;
+            // A small fault shows in fine steps of one length only.
+            let is_again = |i: &usize| again.iter().any(|(other, ..)| other == i);
+            found.retain(|(i, ..)| is_again(i) || look.is_fine && !agree.contains(i));
+            for _ in 0..SHORTER.0 {
+                other = Look { h: other.h / FINER as f64, n: SHORTER.1, is_fine: true };
+                let (_, agree) = at_steps(subject, variables, from_start, &read, (&other, &mut largest))?;
+                found.retain(|(i, ..)| !agree.contains(i));
             }
         }
-        // A variable may be the balance of others of its unit, whose errors are its own.
-        let of_unit = largest_of_unit(variables.iter().copied().zip(largest.iter().copied()));
-        for (i, (v, series)) in variables.iter().zip(series).enumerate() {
-            let noise = |x| noise(subject.facts, v, x);
-            let least = STIFF * largest[i] + uncertainty(subject.facts) * of_unit(v);
-            if let Some((k, given, measured)) = series.disagrees(&look, least, noise) {
-                let points = k + usize::from(!from_start);
-                report(i, start + look.h * points as f64, given, measured);
-            }
-        }
+        found.into_iter().for_each(|(i, t, given, measured)| report(i, t, given, measured));
     }
     Ok(())
+}
+
+/// A disagreement, as [`follow`] reports it.
+type Disagreement = (usize, f64, f64, f64);
+
+/// The disagreements with steps of one length, and the variables that agree whatever their errors; `largest` is the greatest derivative seen
+/// of each variable.
+fn at_steps(
+    subject: &Subject,
+    variables: &[&Variable],
+    from_start: bool,
+    read: &impl Fn(&mut Session) -> Result<Vec<f64>, Fault>,
+    (look, largest): (&Look, &mut [f64]),
+) -> Result<(Vec<Disagreement>, Vec<usize>), Fault> {
+    let (mut session, mut drive) = begin(subject, look)?;
+    let start = session.now;
+    let mut series = vec![Series::default(); variables.len()];
+    let mut before = session.get_all(variables)?;
+    for k in 0..=look.n {
+        if k > 0 && !drive.advance(&mut session, look.h)? {
+            break;
+        }
+        let now = session.get_all(variables)?;
+        // The first step counts, too: a fast variable may settle in it.
+        let change = before.iter().zip(&now).map(|(a, b)| (b - a).abs() / look.h);
+        largest.iter_mut().zip(change).for_each(|(l, change)| *l = l.max(change));
+        before = now;
+        if k > 0 || from_start {
+            let d = read(&mut session)?;
+            series.iter_mut().zip(before.iter().zip(&d)).for_each(|(s, (x, d))| s.push(*x, *d));
+            largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
+        }
+    }
+    // A variable may be the balance of others of its unit, whose errors are its own.
+    let of_unit = largest_of_unit(variables.iter().copied().zip(largest.iter().copied()));
+    let agree = (0..series.len()).filter(|i| series[*i].agrees(look)).collect();
+    let of = |(i, (v, series)): (usize, (&&Variable, Series))| {
+        let noise = |x| noise(subject.facts, v, x);
+        let least = STIFF * largest[i] + uncertainty(subject.facts) * of_unit(v);
+        let (k, given, measured) = series.disagrees(look, least, noise)?;
+        let points = k + usize::from(!from_start);
+        Some((i, start + look.h * points as f64, given, measured))
+    };
+    Ok((variables.iter().zip(series).enumerate().filter_map(of).collect(), agree))
 }
 
 /// An input derivative has an effect where the input has one.
