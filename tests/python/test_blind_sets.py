@@ -25,6 +25,17 @@ def test_a_set_is_right(number, kind, program, tmp_path):
     assert one.outcome == judge.RIGHT, f"{one.sentence}: {SETS[number, kind]}"
 
 
+def test_a_wrong_unit_of_an_input_is_found_beside_a_wrong_prior(program, tmp_path):
+    """Voltage and speed are inputs, so that the current is the small difference of the voltage and the back-EMF: with the torque constant of
+    the preset no output agrees, whatever the unit of the speed is."""
+    s = make.made(39119, 6)
+    write_set(s, tmp_path)
+    run.ask(tmp_path, program, "", 240.0, 120.0)
+    report = json.loads((tmp_path / "result" / "report.json").read_text(encoding="utf-8"))
+    assert report["unusable"]["channel"] == "speed_rad_per_s", report["unusable"]
+    assert "readings in rpm" in report["unusable"]["reason"]
+
+
 def test_an_effect_that_predicts_worse_alone_is_found_with_a_second_one(program, tmp_path):
     """The lag of the winding's sensor explains most; beside the other differences of this specimen, convection and end winding, it does
     not predict better alone. The lag and the heat capacity of the winding can be exchanged, and a fit may end with the wrong one."""

@@ -274,3 +274,23 @@ def test_a_preset_with_inputs_and_an_experiment_runs_without_settings(motor_fmu,
     assert result["shaft_speed"][-1] > 500.0
     stated = int(re.search(r"the winding is at (\d+) °C", page)[1])
     assert result["winding_temperature"][-1] - 273.15 == pytest.approx(stated, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    "choices",
+    [
+        pytest.param({"commutation": "block", "cooling_mode": "annulus_push"}),
+        pytest.param({"commutation": "sinusoidal", "cooling_mode": "bare"}, marks=pytest.mark.nightly),
+        pytest.param({"commutation": "block", "cooling_mode": "conductance"}, marks=pytest.mark.nightly),
+    ],
+    ids=lambda choices: " ".join(choices.values()),
+)
+def test_an_archive_that_starts_in_other_modes_is_valid(choices, program, tmp_path):
+    """Block commutation changes the conducting phases several hundred times in a step of the checks."""
+    start = {"drive_mode": "current", "mechanical_mode": "imposed_speed", **choices}
+    preset = tmp_path / "modes.toml"
+    lines = "\n".join(f'"{name}" = "{item}"' for name, item in start.items())
+    preset.write_text(f'name = "modes"\nmodel = "AnnulusCooledMotor"\n[start]\n{lines}\n', encoding="utf-8")
+    command = [program, "build", "AnnulusCooledMotor", "--preset", preset, "--fmi", "2", "--out", tmp_path / "out"]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0 and "0 errors, 0 warnings" in done.stdout + done.stderr, done.stdout + done.stderr

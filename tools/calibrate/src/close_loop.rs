@@ -169,6 +169,7 @@ fn attempt<'a>(
         let verdict = if options.extent == Extent::Fit { Verdict::Fitted } else { Verdict::Nothing };
         let mut judgement = Judgement::of(verdict, &point);
         judgement.time_for_boxes = for_boxes;
+        judgement.is_cut = is_cut;
         if options.extent != Extent::Fit && is_thin {
             judgement.notes.push(format!(
                 "{} and {}: too few readings to look for missing effects",
@@ -176,9 +177,7 @@ fn attempt<'a>(
                 count_of(setup.declared.len(), "parameter")
             ));
         }
-        let mut outcome = estimates::outcome(&setup, &point, &refit.hypothesis, judgement)?;
-        outcome.is_cut = is_cut;
-        return Ok(outcome);
+        return Ok(estimates::outcome(&setup, &point, &refit.hypothesis, judgement)?);
     };
     search_of.rounds(progress);
     // A clear result at the start makes the second search unnecessary.
@@ -203,8 +202,8 @@ fn attempt<'a>(
     progress(0.85, "judging what was found");
     let mut verdict = search_of.verdict()?;
     verdict.time_for_boxes = for_boxes;
-    let outcome = estimates::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
-    Ok(Outcome { is_cut, ..outcome })
+    verdict.is_cut = is_cut;
+    Ok(estimates::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?)
 }
 
 /// State of a search.

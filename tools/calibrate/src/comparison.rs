@@ -5,8 +5,9 @@ use crate::levels::{AT_NOISE, STRUCTURE};
 use crate::outcome::{BlackBox, ChannelError, Verdict};
 use crate::report::column_words;
 
-/// Channels in which the refit or the black box predicts the test runs better than the repaired model, in sentences.
-pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> Vec<String> {
+/// Channels in which the refit or the black box predicts the test runs better than the repaired model, in sentences. A search that the time
+/// budget ended (`is_cut`) says nothing about the effects.
+pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict, is_cut: bool) -> Vec<String> {
     let of = |role: Role, column: &str| errors.iter().find(|e| e.role == role && e.column == column);
     let mut notes = Vec::new();
     for test in errors.iter().filter(|e| e.role == Role::Test) {
@@ -41,7 +42,7 @@ pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> V
                  parameters can replace{}",
                 with_unit(box_of_it),
                 with_unit(own),
-                if verdict == Verdict::Nothing { "; none of the listed effects is that one" } else { "" }
+                if verdict == Verdict::Nothing && !is_cut { "; none of the listed effects is that one" } else { "" }
             ),
             Some(_) => "the physical model follows the fit runs at least as well, so the difference comes from conditions that the fit runs \
                         do not contain or from differences between the runs"
@@ -79,15 +80,43 @@ pub fn digits(x: f64) -> String {
     }
 }
 
+/// Two different values with their unit, with as many digits, three or more, as show the difference.
+pub fn apart(values: [f64; 2], unit: &str) -> [String; 2] {
+    let differ = |places: &usize| {
+        let [a, b] = values.map(|x| format!("{x:.*e}", places));
+        a != b
+    };
+    let places: Option<usize> = (2..=7).find(differ);
+    match places {
+        None | Some(2) => values.map(|x| with_unit(x, unit)),
+        Some(places) => values.map(|x| {
+            let decimals = (places as f64 - x.abs().log10().floor()).max(0.0) as usize;
+            with_unit_of(format!("{x:.decimals$}"), unit)
+        }),
+    }
+}
+
+fn with_unit_of(number: String, unit: &str) -> String {
+    if matches!(unit, "" | "1") { number } else { format!("{number} {unit}") }
+}
+
 /// A number with three significant digits and its unit; a pure number (`1` of a parameter, blank of a column) has none.
 pub fn with_unit(x: f64, unit: &str) -> String {
-    if matches!(unit, "" | "1") { digits(x) } else { format!("{} {unit}", digits(x)) }
+    with_unit_of(digits(x), unit)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::outcome::Prediction;
+
+    #[test]
+    fn two_values_look_different() {
+        assert_eq!(apart([0.03, 0.0293], "m"), ["0.0300 m", "0.0293 m"]);
+        assert_eq!(apart([0.03, 0.030_012], "m"), ["0.03000 m", "0.03001 m"]);
+        assert_eq!(apart([298.15, 298.3], "K"), ["298.1 K", "298.3 K"]);
+        assert_eq!(apart([0.2, 0.200_04], "1"), ["0.20000", "0.20004"]);
+    }
 
     fn error(role: Role, refit: f64, after: f64, blackbox: f64) -> ChannelError {
         let column = "winding_temperature_degC";
@@ -119,7 +148,7 @@ mod tests {
             kind: "ARX of order 1".to_string(),
             errors: Vec::new(),
         }];
-        let of = |errors: &[ChannelError]| notes(errors, &boxes, Verdict::Named).join("\n");
+        let of = |errors: &[ChannelError]| notes(errors, &boxes, Verdict::Named, false).join("\n");
         let better = [error(Role::Fit, 2.0, 0.5, 1.0), error(Role::Test, 2.0, 0.5, 1.0)];
         assert_eq!(of(&better), "");
         let lacks = of(&[error(Role::Fit, 2.0, 1.5, 0.5), error(Role::Test, 2.0, 1.5, 0.75)]);

@@ -4,7 +4,7 @@ use crate::CalibrateError;
 use crate::beyond;
 use crate::blackbox::black_boxes;
 use crate::close_loop::Judgement;
-use crate::comparison::{self, with_unit};
+use crate::comparison::{self, apart, with_unit};
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::{Addition, Hypothesis};
@@ -72,11 +72,12 @@ pub fn outcome(
     }
     notes.extend(strain::notes(experiment, &setup.declared, &hypothesis.declared));
     for (d, value) in setup.declared.iter().zip(&hypothesis.declared).filter(|(d, _)| d.is_released) {
+        let [own, other] = apart([d.prior, *value], d.unit);
         notes.push(format!(
             "{name} has no prior, but its value {} in the preset contradicts the data, and no effect explains them better than another \
              value: {} was estimated; add {name} to [prior], or to [set] if its value is known",
-            with_unit(d.prior, d.unit),
-            with_unit(*value, d.unit),
+            own,
+            other,
             name = d.name
         ));
     }
@@ -180,7 +181,9 @@ pub fn outcome(
         notes.retain(|note| *note != odd.note);
     }
     match wrong_tests(setup, &hypothesis, &errors) {
-        wrong if wrong.is_empty() => notes.extend(comparison::notes(&errors, &boxes, judged.verdict)),
+        wrong if wrong.is_empty() => {
+            notes.extend(comparison::notes(&errors, &boxes, judged.verdict, judged.is_cut))
+        }
         wrong => notes.extend(wrong),
     }
     let added =
@@ -232,7 +235,7 @@ pub fn outcome(
         notes,
         endings,
         boxes,
-        is_cut: false,
+        is_cut: judged.is_cut,
         left_out: None,
         seconds: 0.0,
     })

@@ -232,9 +232,10 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
         let (least, most) = (entry.row.min, entry.row.max);
         for run in &mut experiment.runs {
             let column = &mut run.table.columns[k];
-            // Noise about a limit, such as that of a fan at rest, is tolerated.
+            // Noise about a limit, such as that of a fan at rest, is tolerated. A limit above zero is that of a physical quantity.
             let slack = SMALL * (most - least);
-            let beyond = |x: &f64| *x < least - slack || *x > most + slack;
+            let below = if least > 0.0 { slack.min(SMALL * least) } else { slack };
+            let beyond = |x: &f64| *x < least - below || *x > most + slack;
             let there = column.iter().filter(|x| x.is_finite()).count();
             let count = column.iter().filter(|x| beyond(x)).count();
             if count == 0 {

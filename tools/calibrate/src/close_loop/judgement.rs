@@ -55,6 +55,8 @@ pub struct Judgement<'a> {
     pub notes: Vec<String>,
     /// Time for the black boxes.
     pub time_for_boxes: Duration,
+    /// Whether the time budget ended the search.
+    pub is_cut: bool,
 }
 
 /// Time for the black boxes: an absolute value without a budget, otherwise a fraction of the budget. Numerical: a limit of effort; a
@@ -74,6 +76,7 @@ impl Judgement<'_> {
         Judgement {
             verdict,
             time_for_boxes: BOXES.0,
+            is_cut: false,
             point: None,
             hypothesis: point.fitted.hypothesis.clone(),
             effects: Vec::new(),

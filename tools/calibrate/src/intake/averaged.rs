@@ -48,6 +48,10 @@ const LEAST_PART: usize = 4;
 /// weights 1, -2, 1 and 2, -5, 4, -1.
 const BEND: (f64, f64) = (2.449, 6.782);
 
+/// Second difference of the means of a parabola relative to the difference of its mean and its value in the middle. Derivation: the mean of t^2
+/// from -T/2 to T/2 is T^2 / 12, half of it that of y'' t^2 / 2.
+const OF_A_PARABOLA: f64 = 24.0;
+
 /// A step of a load.
 #[derive(Clone, Copy)]
 struct Step {
@@ -260,11 +264,10 @@ fn with_steps(table: &Table, is_temperature: &[bool], steps: &[Step], durations:
         let duration = step.duration.unwrap_or(of_load.min(2.0 * room)).max(shortest);
         let levels = (table.columns[step.column][step.before], table.columns[step.column][step.after]);
         let one = Break { column: step.column, ends, levels, time, duration };
-        for row in step.before + 1..step.after {
-            let off = (table.time[row] - time).abs() - 0.5 * (usual + duration);
-            is_blank[row] |= off < CERTAIN * step.error;
-            own.columns[step.column][row] = one.level(table.time[row]);
-        }
+        let is_mixed = |t: f64| (t - time).abs() - 0.5 * (usual + duration) < CERTAIN * step.error;
+        let between = step.before + 1..step.after;
+        between.clone().for_each(|row| is_blank[row] |= is_mixed(table.time[row]));
+        between.for_each(|row| own.columns[step.column][row] = one.level(table.time[row]));
         breaks.push(one);
     }
     for (k, column) in own.columns.iter_mut().enumerate().skip(inputs) {
@@ -326,7 +329,7 @@ fn point_values(time: &[f64], column: &mut [f64]) {
                     _ => (bend(k), BEND.0),
                 };
                 if bend.abs() > CERTAIN * size * noise {
-                    column[from + k] = means[k] - bend / 24.0;
+                    column[from + k] = means[k] - bend / OF_A_PARABOLA;
                 }
             }
         }

@@ -40,6 +40,7 @@ enum Filter {
     Delay,
 }
 
+/// The filters that are tried. Definition: those of instruments and loggers.
 const FILTERS: [Filter; 5] = [Filter::Lag(1), Filter::Lag(2), Filter::Smoothing, Filter::Mean, Filter::Delay];
 
 impl Filter {
