@@ -100,6 +100,31 @@ fn an_error_in_a_validation_run_is_found_there() {
     }
 }
 
+/// The back-EMF of weaker magnets in one run is also that of a tachometer with another gain: no instrument is wrong for certain.
+#[test]
+fn another_motor_in_one_run_is_no_error_of_an_instrument() {
+    let outputs = ["voltage_V", "winding_temperature_degC", "housing_temperature_degC"];
+    let mut experiment = testing::driven_by(CURRENT, &outputs, PRIORS, true);
+    let second = experiment.runs[0].clone();
+    experiment.runs.push(second);
+    experiment.runs[1].file = "second.csv".to_string();
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let mut weaker = setup.preset().declared;
+    let torque_constant = setup.declared.iter().position(|own| own.name == "motor.k_t").unwrap();
+    let preset = weaker.clone();
+    weaker[torque_constant] *= 0.92;
+    drop(setup);
+    let mut other = experiment.clone();
+    testing::read(&mut experiment, &preset, None);
+    testing::read(&mut other, &weaker, None);
+    experiment.runs[1].table = other.runs[1].table.clone();
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let fitted = setup.fit(setup.preset(), &[0, 1]).unwrap();
+    let point = Linearization::new(&setup, fitted, &[0, 1]).unwrap();
+    let said = explains(&point, &places(&[0, 1]), Explained::default()).unwrap();
+    assert_eq!(said, None);
+}
+
 /// A small zero or gain, an effect, and an effect that moves the same output are none.
 #[test]
 fn an_effect_is_no_error_of_an_instrument() {
