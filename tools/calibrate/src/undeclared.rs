@@ -11,8 +11,7 @@
 //! - before the search, if the data contradict the model by more than a missing effect does (`intake/consistency.rs`);
 //! - in the search, if it explains the fit runs at least as well as every effect, and the error of the validation runs falls.
 //!
-//! A parameter that is zero switches off a part of the model and is no candidate, and neither is a start value, nor a temperature: that of a
-//! reference is a definition, and its ratio to another one means nothing.
+//! A parameter that is zero switches off a part of the model and is no candidate, and neither is a start value.
 //! *Source*: evidence and its penalty as for effects (`evidence.rs`, `selection.rs`).
 
 use crate::CalibrateError;
@@ -25,7 +24,7 @@ use crate::parallel;
 use crate::search::Scored;
 use crate::selection::{Known, LEAST, compete};
 use crate::setup::{Declared, Setup};
-use physics::declare::{Causality, Kind, Unit};
+use physics::declare::{Causality, Kind};
 use physics::model::Entry;
 
 /// Change of ln p for the difference in (1). Numerical: the error of the sensitivity is 1 %.
@@ -130,7 +129,6 @@ fn candidates(setup: &Setup) -> Vec<Declared> {
         entry.row.causality == Causality::Parameter
             && matches!(entry.row.kind, Kind::Real)
             && setup.bench.start_of(entry.slot) != 0.0
-            && entry.row.unit != Unit::Kelvin
             && !entry.name.starts_with(START_VALUES)
             && !shapes_an_effect(&entry.name)
             && !setup.declared.iter().any(|d| d.slot == entry.slot)
