@@ -92,10 +92,17 @@ mod tests {
 
     /// The notes of a motor whose winding thermometer is changed: row, reading of the winding, of the housing.
     fn notes(change: impl Fn(usize, f64, f64) -> f64) -> (Vec<String>, bool) {
+        notes_with(1.0, change)
+    }
+
+    /// The same with readings of the voltage times a factor.
+    fn notes_with(factor: f64, change: impl Fn(usize, f64, f64) -> f64) -> (Vec<String>, bool) {
         let mut own = experiment("\"thermal.C_h\" = 0.1", true);
         read(&mut own, &[150.0], None);
         let [winding, housing] = [2, 3].map(|output| own.place_of(output));
+        let voltage = own.place_of(0);
         let columns = &mut own.runs[0].table.columns;
+        columns[voltage].iter_mut().for_each(|x| *x *= factor);
         let mut noise = rng(5);
         for row in 0..columns[winding].len() {
             columns[housing][row] += 0.005 * normal(&mut noise);
@@ -118,6 +125,14 @@ mod tests {
         for (k, change) in slipped.into_iter().enumerate() {
             let (notes, is_blank) = notes(change);
             assert!(is_blank && notes[0].contains("winding_temperature_degC shows"), "{k}: {notes:?}");
+        }
+    }
+
+    /// The heat is not the predicted one: where no sensor has slipped, the readings of both are as near to each other.
+    #[test]
+    fn without_the_predicted_heat_nothing_follows() {
+        for (factor, is_said) in [(0.4, false), (0.7, true), (1.5, true), (9.549, false)] {
+            assert_eq!(notes_with(factor, |_, _, housing| housing).1, is_said, "{factor}");
         }
     }
 
