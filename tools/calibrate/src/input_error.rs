@@ -27,15 +27,12 @@ use crate::linearization::Linearization;
 use crate::outcome::Unusable;
 use crate::search::search;
 use crate::selection::LEAST;
-use crate::setup::{Declared, Setup, Shown};
+use crate::setup::Setup;
 use crate::simulate::Drive;
 use form::Form;
 
 /// Gauss-Newton steps for c. Numerical: two for a zero, in which the model is nearly linear; a gain of 1.5 is known to 1 % after four.
 const STEPS: usize = 8;
-
-/// Change of a parameter, in its prior standard deviations, for a difference quotient. Numerical: the error is of this order.
-const STEP: f64 = 0.01;
 
 /// Part of the asked evidence that is enough to first order for a fit: a large error, and another missing effect, hide the rest. Numerical:
 /// a limit of effort.
@@ -84,13 +81,11 @@ pub fn explains(
     let as_laws = if found.laws > 1 { found.listed.max(NEARLY * found.all) } else { found.all };
     let [all_found, listed, as_laws] = [found.all, found.listed, as_laws].map(|least| least.max(DECISIVE));
     let mut all: Vec<Wrong> = Vec::new();
-    let likely = likely(point, places, listed * AHEAD);
-    let moved = if likely.is_empty() { Vec::new() } else { moved(point) };
-    for wrong in likely {
+    for wrong in likely(point, places, listed * AHEAD) {
         let own = wrong.runs.clone();
         let wrong = fitted(point, wrong)?;
         // Of another motor, or one that has changed meanwhile: one number, too.
-        if own.len() < point.runs.len() && of_a_parameter(point, &moved, &own) >= wrong.sure - LEAST {
+        if own.len() < point.runs.len() && of_a_parameter(point, &own) >= wrong.sure - LEAST {
             continue;
         }
         let is_exact = wrong.left < SMALL;
@@ -182,34 +177,15 @@ impl Wrong {
     }
 }
 
-/// The runs with each declared parameter moved: its change, and the outputs then.
-fn moved(point: &Linearization) -> Vec<(f64, Vec<Shown>)> {
-    let declared = point.setup.declared.iter().enumerate().filter(|(_, own)| own.runs.is_none());
-    let of = |(k, own): (usize, &Declared)| {
-        let mut other = point.fitted.hypothesis.clone();
-        let step = STEP * own.deviation;
-        other.declared[k] = (other.declared[k] + step).min(own.limits.1);
-        let step = other.declared[k] - point.fitted.hypothesis.declared[k];
-        (step > 0.0).then(|| Some((step, point.setup.show(&other, &point.runs).ok()?))).flatten()
-    };
-    declared.filter_map(of).collect()
-}
-
 /// What another value of one declared parameter in these runs explains to first order, less the price.
-fn of_a_parameter(point: &Linearization, moved: &[(f64, Vec<Shown>)], runs: &[usize]) -> f64 {
-    let of = |(step, shown): &(f64, Vec<Shown>)| {
-        let own = point.runs.iter().zip(shown).zip(&point.fitted.shown);
-        let shown: Vec<Shown> = own
-            .map(|((run, other), own)| if runs.contains(run) { other.clone() } else { own.clone() })
-            .collect();
-        let gain = point.evidence.gain(&(point.difference_column(&shown)? / *step))?;
-        Some(
-            gain.raw.min(gain.whitened)
-                - point.per_number()
-                - 2.0 * ((moved.len() * point.runs.len()) as f64).ln(),
-        )
+fn of_a_parameter(point: &Linearization, runs: &[usize]) -> f64 {
+    let common = point.setup.declared.iter().enumerate().filter(|(_, own)| own.runs.is_none());
+    let choice = 2.0 * ((common.clone().count() * point.runs.len()) as f64).ln();
+    let of = |(k, _)| {
+        let gain = point.evidence.gain(&point.parameter_column(k, runs)?)?;
+        Some(gain.raw.min(gain.whitened) - point.per_number() - choice)
     };
-    moved.iter().filter_map(of).fold(0.0, f64::max)
+    common.filter_map(of).fold(0.0, f64::max)
 }
 
 /// Each kind of form where it explains most to first order, if that is more than `least`: a first fit far from the truth shows a part only.

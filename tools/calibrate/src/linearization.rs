@@ -297,6 +297,14 @@ impl<'a> Linearization<'a> {
         }
     }
 
+    /// Column of the `k`-th declared parameter in these runs alone.
+    pub fn parameter_column(&self, k: usize, runs: &[usize]) -> Option<DMatrix<f64>> {
+        self.columns(1, |r, _| {
+            let is_own = runs.contains(&self.runs[r]);
+            Some(is_own.then(|| self.slopes.answer(&self.fitted.hypothesis, r, k)).flatten())
+        })
+    }
+
     /// Column of the `k`-th form of [`listed`](Self::listed), in the runs selected by `active` (by index among the runs evaluated).
     pub fn listed_column(&self, k: usize, active: &[bool]) -> Option<DMatrix<f64>> {
         let place = self.ports.len() + self.inputs + k;

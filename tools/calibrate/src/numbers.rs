@@ -23,3 +23,16 @@ pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let all = sorted(values);
     all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
 }
+
+/// Linear interpolation, constant outside the points.
+pub fn between(x: &[f64], y: &[f64], at: f64) -> f64 {
+    let k = x.partition_point(|v| *v <= at);
+    if k == 0 {
+        return y[0];
+    }
+    if k == x.len() {
+        return y[k - 1];
+    }
+    let share = (at - x[k - 1]) / (x[k] - x[k - 1]);
+    if share == 0.0 { y[k - 1] } else { y[k - 1] + share * (y[k] - y[k - 1]) }
+}

@@ -10,6 +10,7 @@ use super::{Candidate, Series};
 use crate::comparison::digits;
 use crate::deadline::Deadline;
 use crate::experiment::Role;
+use crate::numbers::between;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Orders n. Definition: of the black box; up to one more than the nodes of the motor.
@@ -173,19 +174,6 @@ fn cut(run: &Series, output: usize, is_temperature: bool, order: usize, length: 
         found.output.push(readings.iter().sum::<f64>() / readings.len() as f64);
     }
     found
-}
-
-/// Linear interpolation, constant outside the points.
-fn between(x: &[f64], y: &[f64], at: f64) -> f64 {
-    let k = x.partition_point(|v| *v <= at);
-    if k == 0 {
-        return y[0];
-    }
-    if k == x.len() {
-        return y[k - 1];
-    }
-    let share = (at - x[k - 1]) / (x[k] - x[k - 1]);
-    if share == 0.0 { y[k - 1] } else { y[k - 1] + share * (y[k] - y[k - 1]) }
 }
 
 #[cfg(test)]

@@ -126,7 +126,7 @@ fn a_parameter_of_one_run_explains_another_motor() {
         let setup = Setup::new(&experiment, &[]).unwrap();
         let fitted = setup.fit(setup.preset(), &[0, 1]).unwrap();
         let point = Linearization::new(&setup, fitted, &[0, 1]).unwrap();
-        let sure = of_a_parameter(&point, &moved(&point), &[1]);
+        let sure = of_a_parameter(&point, &[1]);
         assert!(if share == 1.0 { sure < LEAST } else { sure > 10.0 * DECISIVE }, "{share}: {sure}");
         assert_eq!(explains(&point, &places(&[0, 1]), Explained::default()).unwrap(), None);
     }

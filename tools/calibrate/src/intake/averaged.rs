@@ -6,8 +6,8 @@
 //!
 //! m the row at t, a and b the levels before and after it, T the interval. With lines between the rows, the load would change over two
 //! intervals, with the same mean but a smaller mean square: for a step from 0 to b, b^2 T / 3 of its heat would be missing, more than a winding
-//! stores between two readings if T is a third of its time constant. If the loads of a file change in this way, they get a step there in place
-//! of the row. Steps between two intervals, which leave no such row, are in the middle between their rows. A load that takes the time d < T for
+//! stores between two readings if T is a third of its time constant. If the loads of most files change in this way, and in no other, they get
+//! a step there in place of the row. Steps between two intervals, which leave no such row, are in the middle between their rows. A load that takes the time d < T for
 //! its change leaves two such rows if it changes across the border of two intervals, and these tell how long it took:
 //!
 //! d = 2 (sqrt g_1 + sqrt g_2)^2,   g_1 = T (m_1 - a) / (b - a),   g_2 = T (b - m_2) / (b - a)      (2)
@@ -32,6 +32,7 @@ use super::median;
 use crate::experiment::{Experiment, Run, Start, Table};
 use crate::levels::{CERTAIN, NEARLY, SMALL};
 use crate::noise;
+use crate::numbers::between;
 use crate::report::count_of;
 use physics::declare::Unit;
 
@@ -306,7 +307,7 @@ fn with_steps(table: &Table, is_temperature: &[bool], steps: &[Step], durations:
         let value = |column: usize| match breaks.iter().find(|one| one.column == column && one.spans(at)) {
             _ if column >= inputs => f64::NAN,
             Some(one) => one.level(at),
-            None => between(&own, column, row, at),
+            None => between(&own.time, &own.columns[column], at),
         };
         let values: Vec<f64> = (0..own.columns.len()).map(value).collect();
         own.time.insert(row, at);
@@ -368,16 +369,6 @@ fn from_rest(table: &mut Table, is_load: &[bool], interval: f64) {
         };
         column.insert(0, value);
     }
-}
-
-/// The value of an input at a time before a row.
-fn between(table: &Table, column: usize, row: usize, at: f64) -> f64 {
-    let values = &table.columns[column];
-    if row == 0 || row == values.len() {
-        return values[row.min(values.len() - 1)];
-    }
-    let share = (at - table.time[row - 1]) / (table.time[row] - table.time[row - 1]);
-    values[row - 1] + share * (values[row] - values[row - 1])
 }
 
 #[cfg(test)]

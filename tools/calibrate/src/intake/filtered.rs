@@ -5,20 +5,21 @@
 //! an output behind a filter F:    y = F q(u)                                                       (1)
 //! an input behind a first-order lag:    y = q(u + tau du/dt)                                      (2)
 //!
-//! F is a lag of first or second order, an exponential smoothing of the rows, a mean over the last seconds, or a delay, which is here to be compared with: `clocks.rs` states it
-//! better. q is fitted anew for each. The filter of an input acts on all outputs that follow from it; it is a mistake in the data if (2)
-//! explains them better than (1) with a filter for each. An input without its filter would have several times the noise, and heats by its
+//! F is a lag of first or second order, an exponential smoothing of the rows, a mean over the last seconds, or a delay, which is here to be
+//! compared with: `clocks.rs` states it better. q is fitted anew for each. The filter of an input acts on all outputs that follow from it; it
+//! is a mistake in the data if (2) explains them better than (1) with a filter for each. An input without its filter would have several times the noise, and heats by its
 //! square, so that it is not corrected. The readings of an output count where F q differs from q by less than half of the noise.
 //!
 //! *Source*: comparison of models by their likelihood: Ljung, System Identification (2nd ed., 1999), ch. 16.4.
 
 use super::clocks::LEAST;
-use super::unsynchronized::{LONGEST, Readings, fitted, mean_square, sum, weights};
+use super::unsynchronized::{LONGEST, Readings, mean_square, sum, weights};
 use super::{Mistake, Unusable, all_runs, predicted};
 use crate::deadline::Deadline;
 use crate::experiment::Experiment;
 use crate::levels::{CALIBRATED, CERTAIN, FACTOR, SMALL};
 use crate::noise;
+use crate::numbers::{between, median};
 use physics::declare::Unit;
 
 /// Ratio of neighbouring times that are tried. Numerical: a filter of another time constant leaves a fifth of the error.
@@ -76,12 +77,10 @@ impl Filter {
             }
             Filter::Mean => {
                 let area = integral(time, column);
-                let since = |t: f64| between(time, &area, t).unwrap_or(column[0] * (t - time[0]));
+                let since = |t: f64| between(time, &area, t) + column[0] * (t - time[0]).min(0.0);
                 (0..time.len()).map(|k| (area[k] - since(time[k] - tau)) / tau).collect()
             }
-            Filter::Delay => {
-                time.iter().map(|t| between(time, column, t - tau).unwrap_or(column[0])).collect()
-            }
+            Filter::Delay => time.iter().map(|t| between(time, column, t - tau)).collect(),
         }
     }
 }
@@ -104,16 +103,6 @@ fn integral(time: &[f64], column: &[f64]) -> Vec<f64> {
         area[k] = area[k - 1] + 0.5 * (column[k] + column[k - 1]) * (time[k] - time[k - 1]);
     }
     area
-}
-
-/// The value at a time that may be between two rows; `None` before the first.
-fn between(time: &[f64], column: &[f64], at: f64) -> Option<f64> {
-    let k = time.partition_point(|t| *t < at).min(time.len() - 1);
-    if k == 0 {
-        return (at >= time[0]).then_some(column[0]);
-    }
-    let share = (at - time[k - 1]) / (time[k] - time[k - 1]);
-    Some(column[k - 1] + share * (column[k] - column[k - 1]))
 }
 
 /// Times that are tried, s, from the interval between rows on.
@@ -217,9 +206,9 @@ pub(super) fn output(runs: &[AsIs], least: &[f64]) -> Option<(String, Vec<Vec<us
         let columns: Vec<Vec<f64>> =
             own.levels.iter().map(|column| filter.of(&own.time, column, tau)).collect();
         let all: Vec<usize> = (0..own.rows.len()).collect();
-        let behind = fitted(&columns, &own.y, &all)?;
+        let weights = weights(&columns, &own.y, &all)?;
+        let [behind, at_once] = [&columns, &own.levels].map(|levels| sum(levels, &weights, all.len()));
         let left = mean_square(&own.y, &behind, &all);
-        let at_once = sum(&own.levels, &weights(&columns, &own.y, &all)?, all.len());
         let off: Vec<f64> = behind.iter().zip(&at_once).map(|(a, b)| (a - b).abs()).collect();
         let least = CALIBRATED * noise::of_column(&own.time, &own.y)?;
         // Changes that are no noise of the inputs, and the time in which the filter takes them to the least.
@@ -236,7 +225,7 @@ pub(super) fn output(runs: &[AsIs], least: &[f64]) -> Option<(String, Vec<Vec<us
     };
     let all: Vec<(f64, Vec<usize>)> = runs.iter().map(of).collect::<Option<_>>()?;
     // Of all runs together, as the filter.
-    let ratio = crate::numbers::median(all.iter().zip(least).map(|((left, _), least)| left / least));
+    let ratio = median(all.iter().zip(least).map(|((left, _), least)| left / least));
     (gain > LEAST && ratio <= FACTOR).then(|| (words, all.into_iter().map(|(_, rows)| rows).collect()))
 }
 

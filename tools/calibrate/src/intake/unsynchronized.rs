@@ -327,9 +327,8 @@ fn sum_of(columns: &[&Vec<f64>], weights: &[f64], rows: usize) -> Vec<f64> {
 }
 
 /// The levels of (1) at every row, fitted to some.
-pub(super) fn fitted(levels: &[Vec<f64>], y: &[f64], rows: &[usize]) -> Option<Vec<f64>> {
-    let columns: Vec<&Vec<f64>> = levels.iter().collect();
-    Some(sum_of(&columns, &solved(&columns, y, rows)?, y.len()))
+fn fitted(levels: &[Vec<f64>], y: &[f64], rows: &[usize]) -> Option<Vec<f64>> {
+    Some(sum(levels, &weights(levels, y, rows)?, y.len()))
 }
 
 pub(super) fn mean_square(y: &[f64], q: &[f64], rows: &[usize]) -> f64 {
