@@ -29,7 +29,7 @@
 //! J. Heat Transfer 106 (1984) 116-123: their momentum balance of developed flow, here with the friction of the entrance.
 
 use super::housing::{GRAVITY, Housing, Orientation};
-use crate::correlations::annulus_friction as friction;
+use crate::correlations::annulus_friction::{Friction, pressure_drop};
 use crate::correlations::annulus_heat_transfer::{Entry, HeatedAnnulus, Wall};
 use crate::correlations::entrance_exit::{contraction, expansion, momentum_ratio};
 use crate::correlations::{natural_convection as natural, radiation};
@@ -91,6 +91,7 @@ pub struct Gap {
     pub wall_area: f64,
     /// Heat transfer from the motor's surface.
     pub heated: HeatedAnnulus,
+    friction: Friction,
     ratio: f64,
     /// Section over the fan's opening, at most 1.
     sigma: f64,
@@ -121,6 +122,7 @@ impl Gap {
             length,
             wall_area: PI * d_o * length,
             heated: HeatedAnnulus::new(ratio, Wall::UniformTemperature, Entry::Developing),
+            friction: Friction::new(ratio, length / (d_o - d_i)),
             ratio,
             sigma,
             fixed_loss,
@@ -184,20 +186,49 @@ impl Gap {
 
     /// Pressure drop at the mass flow `m` in kg/s, eq. (1) or (2), Pa.
     pub fn pressure(&self, m: f64, air: &Air) -> f64 {
-        let u = m / (air.rho * self.section);
-        let re = self.reynolds(m, air);
-        let loss = match self.direction {
-            FlowDirection::Push => self.fixed_loss,
-            FlowDirection::Pull => self.fixed_loss + expansion(self.sigma, momentum_ratio(re)),
-        };
-        let f_re = friction::f_re(re, self.ratio, self.length / self.d_h);
-        0.5 * air.rho * u * u * loss + friction::pressure_drop(f_re, air.mu, u, self.length, self.d_h)
+        self.resistance(air).pressure(m)
+    }
+
+    /// The resistance to air of one state.
+    pub fn resistance(&self, air: &Air) -> Resistance<'_> {
+        let per_mass = 1.0 / (air.rho * self.section);
+        Resistance {
+            gap: self,
+            reynolds: self.d_h / (self.section * air.mu),
+            dynamic: 0.5 * air.rho * per_mass * per_mass,
+            friction: pressure_drop(1.0, air.mu, per_mass, self.length, self.d_h),
+        }
     }
 
     /// Leak flow at the pressure `p` in Pa in air of the density `rho`, eq. (3), m3/s; negative (inwards) where buoyancy lowers the
     /// pressure behind the fan.
     pub fn leak(&self, p: f64, rho: f64) -> f64 {
         self.leak_area * (2.0 * p.abs() / rho).sqrt().copysign(p)
+    }
+}
+
+/// The resistance of a gap to air of one state.
+#[derive(Clone, Copy, Debug)]
+pub struct Resistance<'a> {
+    gap: &'a Gap,
+    /// Reynolds number per mass flow, s/kg.
+    reynolds: f64,
+    /// Dynamic head per square of the mass flow, Pa.s2/kg2.
+    dynamic: f64,
+    /// Pressure drop by friction per f Re and mass flow, Pa.s/kg.
+    friction: f64,
+}
+
+impl Resistance<'_> {
+    /// Pressure drop at the mass flow `m` in kg/s, eq. (1) or (2), Pa.
+    #[inline]
+    pub fn pressure(&self, m: f64) -> f64 {
+        let (gap, re) = (self.gap, (self.reynolds * m).abs());
+        let loss = match gap.direction {
+            FlowDirection::Push => gap.fixed_loss,
+            FlowDirection::Pull => gap.fixed_loss + expansion(gap.sigma, momentum_ratio(re)),
+        };
+        m * (self.dynamic * loss * m + self.friction * gap.friction.f_re(re))
     }
 }
 

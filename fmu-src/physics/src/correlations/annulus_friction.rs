@@ -70,36 +70,71 @@ fn entrance_constants(a: f64) -> (f64, f64) {
     (k0 + s * (k1 - k0), c0 + s * (c1 - c0))
 }
 
-/// Apparent f Re over the first `l_over_d_h` hydraulic diameters of laminar flow, eq. (2).
-pub fn laminar_apparent_f_re(re: f64, a: f64, l_over_d_h: f64) -> f64 {
-    let (k, c) = entrance_constants(limited_ratio(a));
-    let x = limited_length(l_over_d_h) / re.abs().clamp(1e-9, 1e9);
-    let steep = 3.44 / x.sqrt();
-    steep + (laminar_f_re(a) + k / (4.0 * x) - steep) / (1.0 + c / (x * x))
-}
-
-/// Fanning's factor f of developed turbulent flow, eq. (3); Re below 2300 is set to 2300.
+/// Fanning's factor f of developed turbulent flow, eq. (3), from the shape factor; Re below 2300 is set to 2300.
 #[inline]
-pub fn turbulent_f(re: f64, a: f64) -> f64 {
-    let re_star = re.abs().clamp(RE_LAMINAR, 1e9) * shape_factor(a);
+pub(super) fn turbulent_f(re: f64, shape: f64) -> f64 {
+    let re_star = re.abs().clamp(RE_LAMINAR, 1e9) * shape;
     let root = 1.8 * re_star.log10() - 1.5;
     0.25 / (root * root)
 }
 
-/// f Re over the first `l_over_d_h` hydraulic diameters at any Reynolds number, eqs. (2) to (4). The product
-/// remains finite at zero flow.
-pub fn f_re(re: f64, a: f64, l_over_d_h: f64) -> f64 {
-    let re = re.abs().min(1e9);
-    let share = turbulent_share(re);
-    if share == 0.0 {
-        laminar_apparent_f_re(re, a, l_over_d_h)
-    } else if share == 1.0 {
-        (turbulent_f(re, a) * re).max(laminar_apparent_f_re(re, a, l_over_d_h))
-    } else {
-        let laminar = laminar_apparent_f_re(RE_LAMINAR, a, l_over_d_h) / RE_LAMINAR;
-        let layers = laminar_apparent_f_re(RE_TURBULENT, a, l_over_d_h) / RE_TURBULENT;
-        let turbulent = turbulent_f(RE_TURBULENT, a).max(layers);
-        (laminar + share * (turbulent - laminar)) * re
+/// Friction over the length of one annulus: values that depend on geometry only.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Friction {
+    /// D_h/L
+    per_length: f64,
+    shape: f64,
+    /// f Re of eq. (1)
+    developed: f64,
+    /// K and C of eq. (2)
+    entrance: (f64, f64),
+    /// f at the ends of the transition, eq. (4)
+    transition: [f64; 2],
+}
+
+impl Friction {
+    /// Over the first `l_over_d_h` hydraulic diameters at the ratio of diameters `a`.
+    pub fn new(a: f64, l_over_d_h: f64) -> Friction {
+        let mut friction = Friction {
+            per_length: 1.0 / limited_length(l_over_d_h),
+            shape: shape_factor(a),
+            developed: laminar_f_re(a),
+            entrance: entrance_constants(limited_ratio(a)),
+            transition: [0.0; 2],
+        };
+        let laminar = friction.laminar(RE_LAMINAR) / RE_LAMINAR;
+        friction.transition = [laminar, friction.turbulent(RE_TURBULENT) / RE_TURBULENT];
+        friction
+    }
+
+    /// Apparent f Re of laminar flow, eq. (2).
+    #[inline]
+    pub fn laminar(&self, re: f64) -> f64 {
+        // 1/x
+        let (k, c) = self.entrance;
+        let z = re.abs().clamp(1e-9, 1e9) * self.per_length;
+        let steep = 3.44 * z.sqrt();
+        steep + (self.developed + 0.25 * k * z - steep) / (1.0 + c * z * z)
+    }
+
+    /// f Re of turbulent flow, eq. (3).
+    fn turbulent(&self, re: f64) -> f64 {
+        (turbulent_f(re, self.shape) * re).max(self.laminar(re))
+    }
+
+    /// f Re at any Reynolds number, eqs. (2) to (4). The product remains finite at zero flow.
+    #[inline]
+    pub fn f_re(&self, re: f64) -> f64 {
+        let re = re.abs().min(1e9);
+        let share = turbulent_share(re);
+        if share == 0.0 {
+            self.laminar(re)
+        } else if share == 1.0 {
+            self.turbulent(re)
+        } else {
+            let [laminar, turbulent] = self.transition;
+            (laminar + share * (turbulent - laminar)) * re
+        }
     }
 }
 
@@ -140,7 +175,7 @@ mod tests {
     fn short_duct_has_the_boundary_layer_of_blasius() {
         let (re, length) = (2000.0, 0.002);
         let x: f64 = length / re;
-        close(laminar_apparent_f_re(re, 0.75, length), 2.0 * 1.7208 / x.sqrt(), 2e-3);
+        close(Friction::new(0.75, length).laminar(re), 2.0 * 1.7208 / x.sqrt(), 2e-3);
     }
 
     /// Far downstream f Re grows by K/(4 x): K = 0.674 between plates, 0.688 at a = 0.5 (Shah's table).
@@ -149,9 +184,9 @@ mod tests {
         for (a, k) in [(0.999, 0.674), (0.5, 0.688)] {
             let (re, length) = (100.0, 1000.0);
             let x = length / re;
-            close((laminar_apparent_f_re(re, a, length) - laminar_f_re(a)) * 4.0 * x, k, 2e-2);
+            close((Friction::new(a, length).laminar(re) - laminar_f_re(a)) * 4.0 * x, k, 2e-2);
         }
-        close(f_re(0.0, 0.6, 6.4), laminar_f_re(0.6), 1e-9);
+        close(Friction::new(0.6, 6.4).f_re(0.0), laminar_f_re(0.6), 1e-9);
     }
 
     /// Between plates Dean's fit of measurements, f = 0.073 (u h/nu)^(-1/4), h the gap (J. Fluids Eng. 100
@@ -159,7 +194,7 @@ mod tests {
     #[test]
     fn turbulent_between_plates_as_measured() {
         for re in [1e4, 3e4, 1e5, 2e5f64] {
-            close(turbulent_f(re, 0.999), 0.073 * (re / 2.0).powf(-0.25), 0.03);
+            close(turbulent_f(re, shape_factor(0.999)), 0.073 * (re / 2.0).powf(-0.25), 0.03);
         }
     }
 
@@ -167,14 +202,14 @@ mod tests {
     fn nothing_jumps_at_any_switch() {
         for a in [0.3, 0.75, 0.857] {
             for length in [2.0, 6.4, 13.0, 100.0] {
-                continuous(|re| f_re(re, a, length), RE_LAMINAR);
-                continuous(|re| f_re(re, a, length), RE_TURBULENT);
+                continuous(|re| Friction::new(a, length).f_re(re), RE_LAMINAR);
+                continuous(|re| Friction::new(a, length).f_re(re), RE_TURBULENT);
             }
         }
         for row in ENTRANCE {
-            continuous(|a| f_re(500.0, a, 10.0), row[0]);
+            continuous(|a| Friction::new(a, 10.0).f_re(500.0), row[0]);
         }
-        continuous(|a| f_re(500.0, a, 10.0), 0.999);
+        continuous(|a| Friction::new(a, 10.0).f_re(500.0), 0.999);
     }
 
     /// The pressure drop increases monotonically with the flow.
@@ -185,7 +220,7 @@ mod tests {
                 let mut last = 0.0;
                 for k in 1..400 {
                     let re = 25.0 * f64::from(k);
-                    let drop = pressure_drop(f_re(re, a, length), 1.8e-5, re, 1.0, 1.0);
+                    let drop = pressure_drop(Friction::new(a, length).f_re(re), 1.8e-5, re, 1.0, 1.0);
                     assert!(drop > last, "a {a}, L/D_h {length}, Re {re}");
                     last = drop;
                 }
@@ -208,7 +243,7 @@ mod tests {
         for re in [-1e300, 0.0, 1e-300, 3000.0, 1e300] {
             for a in [-1.0, 0.0, 0.5, 1.0, 1e300] {
                 for length in [-1.0, 0.0, 1e300] {
-                    let f = f_re(re, a, length);
+                    let f = Friction::new(a, length).f_re(re);
                     assert!(f.is_finite() && f > 0.0, "{re} {a} {length}: {f}");
                 }
             }

@@ -26,7 +26,7 @@
 //! (2013) 134-140; factors of uniform flux: Shah and London (1978), and Incropera, 7th ed., eqs. 7.23 and
 //! 7.45.
 
-use super::annulus_friction::{limited_length, turbulent_f};
+use super::annulus_friction::{limited_length, shape_factor, turbulent_f};
 use super::{RE_LAMINAR, RE_TURBULENT, turbulent_share};
 use std::f64::consts::PI;
 
@@ -87,7 +87,8 @@ pub fn laminar_uniform_temperature(a: f64) -> f64 {
 /// An annulus heated at the inner wall: values that depend on geometry only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeatedAnnulus {
-    ratio: f64,
+    /// Shape factor of the friction
+    friction: f64,
     /// Nu_1^3
     developed: f64,
     /// Nu_2^3/Gz
@@ -108,7 +109,7 @@ impl HeatedAnnulus {
             Wall::UniformFlux => (laminar_uniform_flux(ratio), 2.0 * PI / 27f64.sqrt(), 0.453 / 0.332),
         };
         Self {
-            ratio,
+            friction: shape_factor(ratio),
             developed: cube(developed),
             thermal: cube(1.615 * (1.0 + 0.14 / ratio.sqrt()) * leveque),
             hydrodynamic: if entry == Entry::Developing { cube(plate) } else { 0.0 },
@@ -133,19 +134,19 @@ impl HeatedAnnulus {
     #[inline]
     fn turbulent(&self, re: f64, pr: f64) -> f64 {
         // Darcy's f / 8 is Fanning's f / 2.
-        let f = 0.5 * turbulent_f(re, self.ratio);
+        let f = 0.5 * turbulent_f(re, self.friction);
         let k1 = 1.07 + 900.0 / re - 0.63 / (1.0 + 10.0 * pr);
         f * re * pr * self.shape / (k1 + 12.7 * f.sqrt() * (pr.cbrt() * pr.cbrt() - 1.0))
     }
 
     /// Nu in any regime from the laminar law and the turbulent entrance factor at this length.
     #[inline]
-    fn regimes(&self, re: f64, pr: f64, laminar: impl Fn(f64) -> f64, entrance: f64) -> f64 {
+    fn regimes(&self, re: f64, pr: f64, laminar: impl Fn(f64) -> f64, entrance: impl Fn() -> f64) -> f64 {
         let share = turbulent_share(re);
         if share == 0.0 {
             laminar(re)
         } else {
-            let turbulent = self.turbulent(re.max(RE_TURBULENT), pr) * (1.0 + entrance);
+            let turbulent = self.turbulent(re.max(RE_TURBULENT), pr) * (1.0 + entrance());
             if share == 1.0 {
                 turbulent
             } else {
@@ -162,7 +163,7 @@ impl HeatedAnnulus {
             let (n2, n3) = self.entrance(re, pr, l);
             (self.developed + n2 + n3).cbrt()
         };
-        self.regimes(re, pr, laminar, l.cbrt().powi(-2))
+        self.regimes(re, pr, laminar, || l.cbrt().powi(-2))
     }
 
     /// Local Nu at `x_over_d_h` hydraulic diameters from the entrance, eq. (7).
@@ -173,19 +174,14 @@ impl HeatedAnnulus {
             let mean = (self.developed + n2 + n3).cbrt();
             (self.developed + n2 * (2.0 / 3.0) + n3 * 0.5) / (mean * mean)
         };
-        self.regimes(re, pr, laminar, x.cbrt().powi(-2) / 3.0)
+        self.regimes(re, pr, laminar, || x.cbrt().powi(-2) / 3.0)
     }
 
-    /// Mean Nu from `from` to `to` hydraulic diameters downstream of the entrance, for one axial segment. The mean of all segments is
-    /// the mean of the whole, for any number of segments.
-    pub fn between(&self, re: f64, pr: f64, from: f64, to: f64) -> f64 {
-        // Below the lower limit of length Nu is constant, so x Nu goes to zero at the entrance.
-        let (from, to) = (from.min(to).clamp(0.0, 1e9), from.max(to).clamp(1e-3, 1e9));
-        let width = to - from;
-        if width < 1e-6 * to {
-            return self.local(re, pr, to);
-        }
-        (to * self.mean(re, pr, to) - from * self.mean(re, pr, from)) / width
+    /// x Nu with the mean Nu over the first `x_over_d_h` = x hydraulic diameters: its difference between two positions is what the length
+    /// between them contributes, and the segments' contributions add to that of the whole.
+    #[inline]
+    pub fn integral(&self, re: f64, pr: f64, x_over_d_h: f64) -> f64 {
+        x_over_d_h * self.mean(re, pr, x_over_d_h)
     }
 }
 

@@ -29,8 +29,12 @@ use std::f64::consts::{FRAC_2_PI, PI};
 pub fn momentum_ratio(re: f64) -> f64 {
     const LAMINAR: f64 = 1.2;
     let re = re.abs().min(1e12);
+    let share = turbulent_share(re);
+    if share == 0.0 {
+        return LAMINAR;
+    }
     let turbulent = 1.0 + 0.04 * (re.max(RE_TURBULENT) / 1e4).powf(-0.2);
-    LAMINAR + turbulent_share(re) * (turbulent - LAMINAR)
+    LAMINAR + share * (turbulent - LAMINAR)
 }
 
 /// Contraction C_c of the jet behind the edge, eq. (3). 0.611 at sigma = 0, 1 at sigma = 1.

@@ -17,6 +17,8 @@
 //! points of 40x40x10 fans: data sheet CUI CFM-40V; stall at 30 to 60 % of the free flow is usual for axial
 //! fans; (3) the project's own form.
 
+use crate::solver::root::try_root_between;
+use std::convert::Infallible;
 use std::fmt;
 
 /// Stall dip, eq. (3).
@@ -142,6 +144,7 @@ impl<'a> FanCurve<'a> {
     }
 
     /// p_0 of eqs. (2) and (3), Pa, at the flow `q` in m3/s.
+    #[inline]
     fn reference(&self, q: f64) -> f64 {
         let base = match self.shape {
             Shape::EndPoints { flow_max, pressure_max } => pressure_max * (1.0 - q / flow_max),
@@ -158,6 +161,7 @@ impl<'a> FanCurve<'a> {
 
     /// Pressure in Pa at the flow `q` in m3/s, the speed ratio `n` and the ratio of densities
     /// `rho_ratio` = rho/rho_ref, eq. (1).
+    #[inline]
     pub fn pressure(&self, q: f64, n: f64, rho_ratio: f64) -> f64 {
         if n < 1e-6 {
             return 0.0;
@@ -168,19 +172,20 @@ impl<'a> FanCurve<'a> {
 
     /// Operating flow of the fan with `system`, m3/s, eq. (4). `system` gives the pressure drop in Pa at a flow in m3/s: 0 or less at
     /// zero flow, rising. A system that drives the fan (negative pressure drop) gives a flow above the free flow. A fan at rest
-    /// has no pressure
-    /// drop. Bisection-safeguarded secant method: at most 150 steps, no derivative, no allocation.
+    /// has no pressure drop.
     pub fn operating_flow(&self, n: f64, rho_ratio: f64, system: impl Fn(f64) -> f64) -> f64 {
-        self.operating_flow_with_leak(n, rho_ratio, |q| (system(q), 0.0))
+        self.operating_flow_with_leak(n, rho_ratio, |q| (system(q), 0.0), None)
     }
 
     /// As [`operating_flow`](Self::operating_flow), with a leak between fan and system: `system` gives the pressure drop at
-    /// a flow, and the leak flow at this pressure, m3/s, rising too. Returns the flow through the system.
+    /// a flow, and the leak flow at this pressure, m3/s, rising too. Returns the flow through the system. `near` is the operating flow
+    /// of a similar system: it saves evaluations.
     pub fn operating_flow_with_leak(
         &self,
         n: f64,
         rho_ratio: f64,
         system: impl Fn(f64) -> (f64, f64),
+        near: Option<f64>,
     ) -> f64 {
         if rho_ratio <= 0.0 {
             return 0.0;
@@ -190,59 +195,61 @@ impl<'a> FanCurve<'a> {
             let (taken, leak) = system(q);
             self.pressure(q + leak, n, rho_ratio) - taken
         };
-        let (mut high, mut f_high) = (free, surplus(free));
-        let (mut low, mut f_low) = (0.0, surplus(0.0));
-        let is_driven = f_high > 0.0;
-        if f_high == 0.0 {
-            return free;
+        let (low, high) = match near.filter(|_| self.stall.is_none()).and_then(|q| around(q, surplus)) {
+            Some(bracket) => bracket,
+            None => self.bracket(free, surplus),
+        };
+        if low.1 <= 0.0 || low.1.is_nan() {
+            return low.0;
         }
-        if is_driven {
+        let Ok(flow) =
+            try_root_between::<Infallible>(|q| Ok(surplus(q)), low, high, ACCURACY * high.0.max(free));
+        flow.unwrap_or(0.5 * (low.0 + high.0))
+    }
+
+    /// Two flows, with their surplus of pressure, between which the operating point is.
+    fn bracket(&self, free: f64, surplus: impl Fn(f64) -> f64) -> ((f64, f64), (f64, f64)) {
+        let at = |q: f64| (q, surplus(q));
+        let mut high = at(free);
+        if high.1 > 0.0 {
             // Above the free flow: growing steps, the first a thousandth of the free flow at full speed.
-            let mut way = 1e-3 * self.free_flow();
+            let (mut low, mut way) = (high, 1e-3 * self.free_flow());
             for _ in 0..50 {
-                (low, f_low) = (high, f_high);
-                high += way;
-                (f_high, way) = (surplus(high), 2.0 * way);
-                if f_high <= 0.0 {
+                (low, high) = (high, at(high.0 + way));
+                way *= 2.0;
+                if high.1 <= 0.0 {
                     break;
                 }
             }
-        } else if self.stall.is_some() {
+            return (low, high);
+        }
+        if high.1 < 0.0 && self.stall.is_some() {
             // From the free flow downward, to find the operating point with the largest flow.
             const PARTS: i32 = 64;
             for k in (0..PARTS).rev() {
-                let q = free * f64::from(k) / f64::from(PARTS);
-                let f = surplus(q);
-                (low, f_low) = (q, f);
-                if f >= 0.0 {
-                    break;
+                let next = at(free * f64::from(k) / f64::from(PARTS));
+                if next.1 >= 0.0 || k == 0 {
+                    return (next, high);
                 }
-                (high, f_high) = (q, f);
+                high = next;
             }
         }
-        if f_low <= 0.0 || f_low.is_nan() {
-            return low;
-        }
-        for k in 0..100 {
-            if high - low <= 1e-13 * high {
-                break;
-            }
-            let secant = (low * f_high - high * f_low) / (f_high - f_low);
-            // Every third step is a bisection, so that the bracket always shrinks.
-            let inside = secant > low && secant < high && k % 3 != 2;
-            let q = if inside { secant } else { 0.5 * (low + high) };
-            let f = surplus(q);
-            if f == 0.0 {
-                return q;
-            }
-            if f > 0.0 {
-                (low, f_low) = (q, f);
-            } else {
-                (high, f_high) = (q, f);
-            }
-        }
-        0.5 * (low + high)
+        (at(0.0), high)
     }
+}
+
+/// Accuracy of an operating flow as a fraction of the free flow or, if it is above, of the operating flow.
+const ACCURACY: f64 = 1e-13;
+/// Change of an operating flow between similar systems, as a fraction.
+const SIMILAR: f64 = 0.01;
+
+/// The flow `q` and one that differs by [`SIMILAR`], with their surplus of pressure, if the operating point is between them.
+fn around(q: f64, surplus: impl Fn(f64) -> f64) -> Option<((f64, f64), (f64, f64))> {
+    let here = (q, surplus(q));
+    let other = q * if here.1 > 0.0 { 1.0 + SIMILAR } else { 1.0 - SIMILAR };
+    let there = (other, surplus(other));
+    let (low, high) = if here.1 > 0.0 { (here, there) } else { (there, here) };
+    (low.1 > 0.0 && high.1 <= 0.0).then_some((low, high))
 }
 
 fn check_table(flow: &[f64], pressure: &[f64]) -> Result<(), CurveError> {
@@ -269,6 +276,7 @@ fn check_table(flow: &[f64], pressure: &[f64]) -> Result<(), CurveError> {
 }
 
 /// Linear between the points of a checked table, and extrapolated linearly.
+#[inline]
 fn interpolated(flow: &[f64], pressure: &[f64], q: f64) -> f64 {
     let last = flow.len() - 2;
     let k = flow[1..=last].partition_point(|&x| x < q);

@@ -75,7 +75,10 @@ pub struct Network {
     cooling: Cooling,
     /// Temperatures of rotor, tube and segments, and the energy given to ambient over the last substep.
     states: States,
-    tangent: Tangent,
+    /// Conditions of the last evaluation of the coefficients.
+    at: Conditions,
+    /// The linearization at these conditions, unless they were evaluated for a reading. It follows from them and is larger than all the rest.
+    tangent: Option<Box<Tangent>>,
     /// Present coefficients.
     now: Coefficients,
     /// Heat flow that effects add to the housing (port housing_heat), W.
@@ -98,7 +101,8 @@ impl Network {
             body,
             cooling: Cooling::new(parameters, body.segments),
             states: [temperature; MOST],
-            tangent: Tangent::NONE,
+            at: Conditions::NONE,
+            tangent: Some(Box::new(Tangent::NONE)),
             now: Coefficients::NONE,
             from_outside: 0.0,
             method: Stabilized::default(),
@@ -118,7 +122,53 @@ impl Network {
     pub fn follow(&mut self, parameters: &Parameters, body: Body) {
         self.body = body;
         self.cooling = Cooling::new(parameters, body.segments);
-        self.tangent = Tangent::NONE;
+        self.forget();
+    }
+
+    /// A copy without the linearization, for a reading or to [`return_to`](Self::return_to). It needs no memory.
+    pub fn bare(&self) -> Network {
+        let Network {
+            body,
+            cooling,
+            states,
+            at,
+            now,
+            from_outside,
+            method,
+            fastest,
+            next,
+            substep,
+            tolerance,
+            ..
+        } = *self;
+        Network {
+            tangent: None,
+            body,
+            cooling,
+            states,
+            at,
+            now,
+            from_outside,
+            method,
+            fastest,
+            next,
+            substep,
+            tolerance,
+        }
+    }
+
+    /// Becomes this copy; the linearization is evaluated again if it is a later one.
+    pub fn return_to(&mut self, parameters: &Parameters, before: Network) {
+        let tangent = self.tangent.take();
+        let is_later = tangent.as_ref().is_none_or(|tangent| tangent.at != before.at);
+        *self = Network { tangent, ..before };
+        if self.at.surface.is_nan() {
+            self.forget();
+        } else if is_later {
+            let (now, fastest) = (self.now, self.fastest);
+            self.renew(parameters, self.at);
+            (self.now, self.fastest) = (now, fastest);
+        }
     }
 
     /// Sets the temperatures of rotor, housing and tube, K.
@@ -168,7 +218,7 @@ impl Network {
     /// Appends the temperatures and the other variables that the next step depends on.
     pub fn save(&self, out: &mut Vec<f64>) {
         out.extend(&self.states[..FIRST + self.body.segments]);
-        self.tangent.at.save(out);
+        self.at.save(out);
         out.push(self.substep);
     }
 
@@ -194,8 +244,10 @@ impl Network {
 
     /// Evaluates the coefficients at these conditions, and the quantities that depend only on them.
     fn renew(&mut self, parameters: &Parameters, at: Conditions) {
-        self.tangent.evaluate(&self.cooling, parameters, at);
-        self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
+        let tangent = self.tangent.get_or_insert_with(|| Box::new(Tangent::NONE));
+        tangent.evaluate(&self.cooling, parameters, at);
+        tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
+        self.at = at;
         self.fastest = self.bound();
     }
 
@@ -207,10 +259,11 @@ impl Network {
     pub fn refresh(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64, ahead: [f64; 2]) {
         let at = self.conditions(inputs, ambient, ahead);
         self.from_outside = parameters.effects.housing_heat(at.surface);
-        if self.tangent.serves(&at) {
-            self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
-        } else {
-            self.renew(parameters, at);
+        match &mut self.tangent {
+            Some(tangent) if tangent.serves(&at) => {
+                tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
+            }
+            _ => self.renew(parameters, at),
         }
     }
 
@@ -218,21 +271,25 @@ impl Network {
     pub fn evaluate(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64) {
         let at = self.conditions(inputs, ambient, [0.0; 2]);
         self.from_outside = parameters.effects.housing_heat(at.surface);
-        if self.tangent.at != at {
+        if self.at != at {
+            self.forget();
             self.now = self.cooling.coefficients(parameters, &at);
-            self.tangent.at = at;
+            self.at = at;
         }
     }
 
     /// Whether the coefficients are those of the full equations at the present temperatures, provided that only
     /// [`evaluate`](Self::evaluate) sets them.
     pub fn is_evaluated_at(&self, inputs: &Inputs, ambient: f64) -> bool {
-        self.tangent.at == self.conditions(inputs, ambient, [0.0; 2])
+        self.at == self.conditions(inputs, ambient, [0.0; 2])
     }
 
     /// Invalidates the coefficients, so that the next [`refresh`](Network::refresh) evaluates them.
     pub fn forget(&mut self) {
-        self.tangent = Tangent::NONE;
+        self.at = Conditions::NONE;
+        if let Some(tangent) = &mut self.tangent {
+            tangent.at = Conditions::NONE;
+        }
     }
 
     /// Present coefficients.

@@ -49,7 +49,7 @@ impl AnnulusCooledMotor {
             constants = Some(changed);
         }
         let constants = constants.as_ref().unwrap_or(&own.constants);
-        let mut network = own.network.as_deref().cloned();
+        let mut network = own.network.as_deref().map(Network::bare);
         if let Some(network) = &mut network {
             if cools || self.pre.is_none() {
                 network.forget();

@@ -42,7 +42,7 @@ impl AnnulusCooledMotor {
     /// The present state, for [`Self::return_to`].
     pub(super) fn checkpoint(&mut self) -> Checkpoint {
         let network = self.own.network.take();
-        let kept = Checkpoint { motor: self.clone(), network: network.as_deref().cloned() };
+        let kept = Checkpoint { motor: self.clone(), network: network.as_deref().map(Network::bare) };
         self.own.network = network;
         kept
     }
@@ -52,7 +52,7 @@ impl AnnulusCooledMotor {
         let mut network = self.own.network.take();
         *self = before.motor;
         if let (Some(network), Some(before)) = (&mut network, before.network) {
-            **network = before;
+            network.return_to(&self.parameters, before);
         }
         self.own.network = network;
     }

@@ -37,6 +37,10 @@ impl Method for Annulus {
         true
     }
 
+    fn is_slow(&self) -> bool {
+        true
+    }
+
     fn add(&self, site: &Site, c: &mut Coefficients) {
         let Some(gap) = site.gap else { return };
         let Site { parameters: p, at, command, .. } = *site;
@@ -45,26 +49,28 @@ impl Method for Annulus {
         let factor = annulus.factor(self.0);
         let (n, rho) = (site.segments, density(at.ambient, at.ambient_pressure));
         let (inner, outer) = (housing.lateral_area() * gap.length / housing.length, gap.wall_area);
+        let table = fan.table();
+        let curve = table.curve().ok();
         // Air properties are those at its mean temperature, which depends on the flow: two iterations are enough.
         let (mut mean, mut air) =
             (at.ambient + 0.2 * (at.surface - at.ambient), Air::at(at.ambient, at.ambient_pressure));
-        let mut mass_flow = 0.0;
+        let (mut flow, mut mass_flow) = (None, 0.0);
         for _ in 0..2 {
             air = Air::at(mean, at.ambient_pressure);
+            let resistance = gap.resistance(&air);
             let system = |q: f64| {
-                let drop = gap.pressure(rho * q, &air) - site.buoyancy(gap, rho * q, &air, factor);
+                let drop = resistance.pressure(rho * q) - site.buoyancy(gap, rho * q, &air, factor);
                 (drop, gap.leak(drop, rho))
             };
-            let table = fan.table();
-            let flow = table
-                .curve()
-                .map_or(0.0, |curve| curve.operating_flow_with_leak(command, rho / fan.density_ref, system));
-            (c.flow, mass_flow) = (flow, rho * flow);
+            flow = curve
+                .map(|curve| curve.operating_flow_with_leak(command, rho / fan.density_ref, system, flow));
+            c.flow = flow.unwrap_or(0.0);
+            mass_flow = rho * c.flow;
             c.m_flow_cp = mass_flow * air.c_p;
             let nu = gap.heated.mean(gap.reynolds(mass_flow, &air), air.pr, gap.length / gap.d_h);
             let g = factor * nu * air.k / gap.d_h * inner;
             let ntu = g / c.m_flow_cp.max(1e-12);
-            mean = at.ambient + (at.surface - at.ambient) * (1.0 - (1.0 - (-ntu).exp()) / ntu);
+            mean = at.ambient + (at.surface - at.ambient) * (1.0 + (-ntu).exp_m1() / ntu);
         }
         c.pressure_drop = gap.pressure(mass_flow, &air) - site.buoyancy(gap, mass_flow, &air, factor);
         if self.0 == FlowDirection::Push && c.m_flow_cp > 0.0 {
@@ -81,15 +87,18 @@ impl Method for Annulus {
             * (gap.at_rest(at.surface, at.tube, at.ambient_pressure) / (share * (1.0 - share)) - developed);
         c.behind = -(-c.m_flow_cp * gap.d_h / (air.k * gap.section)).exp_m1();
         let dx = housing.length / n as f64;
+        // Nu times length up to the end of the segment before, in hydraulic diameters.
+        let mut before = 0.0;
         for (k, covered) in site.covered(0.0, gap.length) {
             c.ambient_conductance[k] = (1.0 - covered) * free;
             if covered <= 0.0 {
                 continue;
             }
-            let (from, to) = (dx * k as f64, dx * (k as f64 + covered));
-            let h = factor * gap.heated.between(re, air.pr, from / gap.d_h, to / gap.d_h) * air.k / gap.d_h;
-            let part = (to - from) / gap.length;
-            c.film_conductance[k] = (h * (inner + outer) + beyond) * part;
+            let part = dx * covered / gap.length;
+            let upto = gap.heated.integral(re, air.pr, dx * (k as f64 + covered) / gap.d_h);
+            let film = factor * (upto - before) * air.k / gap.length;
+            before = upto;
+            c.film_conductance[k] = film * (inner + outer) + beyond * part;
             c.share[k] = share;
             c.effectiveness[k] = -(-c.film_conductance[k] / c.m_flow_cp.max(1e-12)).exp_m1();
         }

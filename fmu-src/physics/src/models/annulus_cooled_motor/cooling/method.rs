@@ -1,7 +1,7 @@
 //! A cooling mode as a [`Method`]: the parts that it adds to the motor, the heat paths from the segments of the housing as
 //! [`Coefficients`], and its outputs.
 
-use super::{Coefficients, Conditions, method};
+use super::{Coefficients, Conditions, method, repeated};
 use crate::components::annulus::Gap;
 use crate::components::conductance::Conductance;
 use crate::components::housing::StillAir;
@@ -32,6 +32,10 @@ pub trait Method: Debug + Sync {
     /// Whether the curvature of the coefficients over the temperatures is at most that of natural convection, so that it need not be
     /// estimated at each evaluation: a quarter to a third of the computing time of the coefficients. A test checks it.
     fn is_smooth(&self) -> bool {
+        false
+    }
+    /// Whether the last heat paths are kept, because they take longer than to compare and to copy them: those of the operating point of a fan.
+    fn is_slow(&self) -> bool {
         false
     }
     /// Inconsistency between parameters of the mode, in one sentence.
@@ -104,6 +108,13 @@ impl Site<'_> {
         })
     }
 
+    /// The heat paths that a method adds here.
+    pub(super) fn coefficients(&self, method: &dyn Method) -> Coefficients {
+        let mut c = Coefficients::NONE;
+        method.add(self, &mut c);
+        c
+    }
+
     /// Conductance that effects add to the housing, W/K.
     fn by_effects(&self) -> f64 {
         let (at, effects) = (self.at, &self.parameters.effects);
@@ -165,8 +176,11 @@ impl Cooling {
             segments: self.segments,
             gap: self.gap.as_ref(),
         };
-        let mut c = Coefficients::NONE;
-        self.method.add(&site, &mut c);
+        let mut c = if self.method.is_slow() {
+            repeated::coefficients(self.method, &site)
+        } else {
+            site.coefficients(self.method)
+        };
         let has_network = self.method.has_network();
         let everywhere = site.by_effects() + if has_network { p.thermal.G_mount } else { 0.0 };
         for direct in &mut c.ambient_conductance[..self.segments] {

@@ -6,6 +6,7 @@ mod coefficients;
 mod conductance;
 mod fan_crossflow;
 mod method;
+mod repeated;
 mod tangent;
 #[cfg(test)]
 mod tests;
@@ -27,8 +28,8 @@ use declare::enumeration;
 /// ```
 ///
 /// with the method, and the parameters of the part that the mode adds to the motor. A line of the inputs has two changes as functions of
-/// the value: from the first on the coefficients are evaluated again, the second is the largest over a substep, over which the inputs of
-/// the cooling are constant.
+/// the value: the first is the largest for which the coefficients are linearized, the second the largest over a substep, over which the
+/// inputs of the cooling are constant.
 macro_rules! cooling {
     (modes { $($(#[doc = $doc:literal])* $mode:ident = $value:literal, $name:literal: $method:expr
         $(, $field:ident: $part:ty = $prefix:literal @ $base:literal)?;)* }
@@ -64,6 +65,9 @@ macro_rules! cooling {
             $(#[doc = concat!("[`", stringify!($input), "`](Inputs::", stringify!($input), ").")] pub $input: f64,)*
         }
 
+        /// Number of inputs that the coefficients depend on.
+        pub const INPUTS: usize = [$(stringify!($input)),*].len();
+
         crate::saved!(Conditions { surface, tube, ambient, $($input),* });
 
         impl Conditions {
@@ -76,10 +80,23 @@ macro_rules! cooling {
                 Conditions { surface, tube, ambient, $($input: inputs.$input),* }
             }
 
-            /// Whether coefficients of these conditions serve for the inputs of others.
+            /// The inputs, in the order of their list.
             #[inline]
-            pub fn serve(&self, now: &Conditions) -> bool {
-                true $(&& (self.$input - now.$input).abs() <= change($near, self.$input))*
+            pub fn inputs(&self) -> [f64; INPUTS] {
+                [$(self.$input),*]
+            }
+
+            /// The largest change of each input for which the coefficients are linearized.
+            #[inline]
+            pub fn near(&self) -> [f64; INPUTS] {
+                [$(change($near, self.$input)),*]
+            }
+
+            /// The conditions with another value of the `k`-th input.
+            pub fn with_input(mut self, k: usize, value: f64) -> Conditions {
+                let inputs: [&mut f64; INPUTS] = [$(&mut self.$input),*];
+                *inputs[k] = value;
+                self
             }
 
             /// The conditions with their names.
@@ -124,13 +141,13 @@ cooling! {
         WaterJacket = 6, "water_jacket": water_jacket::WaterJacket, jacket: components::jacket::Jacket = "jacket." @ 670;
     }
     inputs {
-        // Pa
-        ambient_pressure: |_| 0.0, |_| 500.0;
-        // For a flow that is a power of the command, the linearization has an error of 1e-4 at the first change.
+        // Pa; flows and conductances are powers of the density, at most its first, so that the linearization has an error of 3e-6.
+        ambient_pressure: |p| 0.005 * p, |_| 500.0;
+        // For a flow that is a power of the command, the linearization has an error of 1e-4.
         fan_command: |n| 0.02 * n, |_| 0.02;
         // K; the properties of water change by 2 % per kelvin.
-        coolant_inlet_temperature: |_| 0.02, |_| 0.25;
-        // m3/s
-        coolant_flow_rate: |_| 0.0, |q| 0.02 * q + 1e-8;
+        coolant_inlet_temperature: |_| 0.25, |_| 0.25;
+        // m3/s; in the transition to turbulence the linearization has an error of 7e-5.
+        coolant_flow_rate: |q| 0.01 * q, |q| 0.02 * q + 1e-8;
     }
 }

@@ -12,8 +12,11 @@
 //! e = r^2 c_xx + s^2 c_yy + r s c_xy                                                       (2)
 //!
 //! and e (z^2 + z)/2 after the fraction z of r and s. The permitted changes are those after which the heat flows are wrong by a tolerance.
+//!
+//! Measured inputs change at every reading. The slope over an input u is c_u = (c(u) - c(u - v))/v with half of its permitted change
+//! (the list in `mod.rs`) as v; it is computed when the input first changes.
 
-use super::{Coefficients, Conditions, Cooling};
+use super::{Coefficients, Conditions, Cooling, INPUTS};
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 
 /// Coefficients for one set of conditions, with their derivatives.
@@ -29,8 +32,8 @@ pub struct Tangent {
     by_tube: Option<Coefficients>,
     /// Permitted changes of the temperatures of housing and node, K.
     reach: [f64; 2],
-    /// Changes for a rise of the fan command by the fraction [`BACK`]; computed when the command first changes.
-    by_command: Option<Coefficients>,
+    /// Changes for a rise of each input by the part [`BACK`] of its permitted change; computed when the input first changes.
+    by_input: [Option<Coefficients>; INPUTS],
 }
 
 /// Step w of the finite difference of the housing, K. The slope of natural convection then has the error that the accuracy of all modes
@@ -51,8 +54,8 @@ const NEAR_COOLANT: f64 = 0.02;
 pub(super) const TOLERANCE: f64 = 4e-6;
 /// Rise that is added to the present one for the heat flows that the error is compared with, K: estimate of a small rise of a motor in use.
 const IN_USE: f64 = 10.0;
-/// Relative step of the finite difference of the fan command.
-const BACK: f64 = 0.01;
+/// Step of the finite difference of an input, as a part of its permitted change.
+const BACK: f64 = 0.5;
 
 impl Tangent {
     /// Coefficients before the first evaluation.
@@ -63,7 +66,7 @@ impl Tangent {
         per_rise: 1.0,
         by_tube: None,
         reach: [0.0; 2],
-        by_command: None,
+        by_input: [None; INPUTS],
     };
 
     /// The linearization at these conditions with the largest reach.
@@ -79,7 +82,7 @@ impl Tangent {
         let reach = [largest_of_surface(&at, &base), largest_of_node(&at)];
         let slope = change(Conditions { surface: at.surface + RISE, ..at });
         let by_tube = cooling.has_node().then(|| change(Conditions { tube: at.tube + reach[1], ..at }));
-        Tangent { at, base, slope, per_rise: 1.0 / RISE, by_tube, reach, by_command: None }
+        Tangent { at, base, slope, per_rise: 1.0 / RISE, by_tube, reach, by_input: [None; INPUTS] }
     }
 
     /// The linearization at these conditions, with a reach that follows from the curvature where the mode is not smooth.
@@ -129,7 +132,8 @@ impl Tangent {
     #[inline]
     pub fn serves(&self, now: &Conditions) -> bool {
         let at = &self.at;
-        at.serve(now)
+        let changes = at.inputs().into_iter().zip(now.inputs()).map(|(from, to)| (to - from).abs());
+        changes.zip(at.near()).all(|(change, near)| change <= near)
             && self.beyond(now).abs() <= self.reach[0]
             && (at.ambient - now.ambient).abs() <= NEAR
             && self.beyond_tube(now).abs() <= self.reach[1]
@@ -177,17 +181,20 @@ impl Tangent {
         let n = cooling.segments;
         self.follow(now, n, out);
         out.coolant_inlet = self.base.coolant_inlet.map(|_| now.coolant_inlet_temperature);
-        if now.fan_command != self.at.fan_command {
+        let (at, base) = (self.at, &self.base);
+        let (from, to, near) = (at.inputs(), now.inputs(), at.near());
+        for (k, by_input) in self.by_input.iter_mut().enumerate() {
+            if to[k] == from[k] {
+                continue;
+            }
             // Depends only on the conditions of the evaluation, so that the result does not depend on when it is computed.
-            let (base, at) = (&self.base, self.at);
-            let by_command = self.by_command.get_or_insert_with(|| {
-                let slower = Conditions { fan_command: at.fan_command * (1.0 - BACK), ..at };
+            let step = BACK * near[k];
+            let slope = by_input.get_or_insert_with(|| {
                 let mut slope = *base;
-                slope.change(&cooling.coefficients(parameters, &slower), -1.0, n);
+                slope.change(&cooling.coefficients(parameters, &at.with_input(k, from[k] - step)), -1.0, n);
                 slope
             });
-            let share = (now.fan_command / self.at.fan_command - 1.0) / BACK;
-            out.change(by_command, share, n);
+            out.change(slope, (to[k] - from[k]) / step, n);
         }
     }
 }

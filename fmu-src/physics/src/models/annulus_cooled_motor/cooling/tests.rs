@@ -2,9 +2,10 @@
 
 use super::tangent::{RISE, TOLERANCE as OF_FLOWS};
 use super::{Coefficients, Conditions, Cooling, CoolingMode, Method, Site, Tangent, method};
+use crate::groups::Grouped;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 use crate::models::annulus_cooled_motor::variables::{EnergyBalance, Inputs};
-use declare::{Group, Scalar, Unit};
+use declare::{Group, Kind, Scalar, Unit};
 
 /// Permitted error of the heat flows after a change of one condition, as a fraction of the larger flow. Measured: 5e-5 for the inlet
 /// temperature of a coolant, 4e-4 for a tube whose temperature is no condition.
@@ -184,5 +185,48 @@ fn outputs_of_other_modes_are_no_temperature_of_0_kelvin() {
             "{} is 0 K in the cooling modes that do not compute it: add it to EnergyBalance::without_flow in variables.rs",
             variable.name
         );
+    }
+}
+
+/// Each parameter and each condition is changed alone: the heat paths that were kept from before may serve only where a thread that knows none
+/// computes the same.
+#[test]
+fn what_is_kept_depends_on_every_parameter_and_condition() {
+    let fresh = |parameters: &Parameters, at: &Conditions| {
+        std::thread::scope(|scope| {
+            let all = scope.spawn(|| Cooling::new(parameters, 3).coefficients(parameters, at).heats(at, 3));
+            all.join().unwrap()
+        })
+    };
+    for mode in all_modes() {
+        let mut base = Parameters::default();
+        base.choices.cooling_mode = mode;
+        let at = Conditions::of(&flowing(0.5), 345.0, 320.0, 298.0);
+        let mut changed = Vec::new();
+        for (group, rows) in Parameters::groups().iter().enumerate() {
+            for (row, variable) in rows.table.iter().enumerate() {
+                let mut parameters = base;
+                let value = base.value(group, row);
+                let other = if value == 0.0 { 1e-3 * variable.nominal } else { 1.01 * value };
+                if variable.kind == Kind::Real && parameters.set_value(group, row, other) {
+                    changed.push((format!("{}{}", rows.prefix, variable.name), parameters, at));
+                }
+            }
+        }
+        for k in 0..at.clone().named().len() {
+            let mut now = at;
+            let (name, value) = now.named().swap_remove(k);
+            *value *= 1.001;
+            changed.push((name.to_string(), base, now));
+        }
+        for (name, parameters, now) in changed {
+            Cooling::new(&base, 3).coefficients(&base, &at);
+            let got = Cooling::new(&parameters, 3).coefficients(&parameters, &now).heats(&now, 3);
+            assert_eq!(
+                got,
+                fresh(&parameters, &now),
+                "{mode:?}: `{name}` is missing in the Key of cooling/repeated.rs"
+            );
+        }
     }
 }
