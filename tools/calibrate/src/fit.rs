@@ -33,6 +33,7 @@ const OPTIONS: Options = Options {
     decrease: 0.1,
     step: 1e-9,
     gradient: 1e-9,
+    rival: f64::INFINITY,
 };
 
 /// Options for a start far from the optimum. Numerical: more iterations, and damping as the linearization is poor.
@@ -252,8 +253,22 @@ impl Setup<'_> {
     /// # Errors
     /// The model's error if it cannot be simulated.
     pub fn settled(&self, start: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
-        let far = self.fit_with(start, runs, true, &FAR)?;
-        self.fit_with(far.hypothesis, runs, false, &FAR)
+        self.settled_against(f64::INFINITY, start, runs)
+    }
+
+    /// The same, ended early where it promises no cost below that of a rival.
+    ///
+    /// # Errors
+    /// The model's error if it cannot be simulated.
+    pub fn settled_against(
+        &self,
+        rival: f64,
+        start: Hypothesis,
+        runs: &[usize],
+    ) -> Result<Fitted, CalibrateError> {
+        let options = Options { rival, ..FAR };
+        let far = self.fit_with(start, runs, true, &options)?;
+        self.fit_with(far.hypothesis, runs, false, &options)
     }
 
     /// Fisher information of each output about the parameters of a fitted hypothesis, in units of their scales.

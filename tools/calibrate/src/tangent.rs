@@ -148,6 +148,10 @@ impl Tangent {
             shown.extend(&here.outputs);
             at.extend(&states);
             rates.extend(&here.rates);
+            // Before the states: the heat paths at these temperatures are known.
+            for probe in moved.iter_mut().flatten() {
+                probe.look(bench, drive, row, &states, &here);
+            }
             seen.resize((row + 1) * m * n, 0.0);
             let seen_here = &mut seen[row * m * n..];
             for k in 0..n {
@@ -160,9 +164,6 @@ impl Tangent {
                 for j in 0..m {
                     seen_here[j * n + k] = (there.outputs[j] - here.outputs[j]) / way;
                 }
-            }
-            for probe in moved.iter_mut().flatten() {
-                probe.look(bench, drive, row, &states, &here);
             }
         })?;
         // Two nodes are the most common case; a constant size needs no memory for each matrix.

@@ -29,6 +29,9 @@ use physics::model::Entry;
 
 /// Change of ln p for the difference in (1). Numerical: the error of the sensitivity is 1 %.
 const STEP: f64 = 0.01;
+/// Largest magnitude of ln p by (1) for the start of a fit. Definition: one deviation of its prior; beyond it a first-order value, which may be
+/// thousands of times too small, only leads a fit astray.
+const FARTHEST: f64 = DEVIATION;
 /// Number of parameters that are fitted from each start. Numerical: a limit of effort; the others explain less to first order.
 const FITTED: usize = 2;
 /// Standard deviation of their prior, relative to their value. Definition: a size of this order is all that is known.
@@ -74,11 +77,15 @@ pub fn best<'a>(point: &Linearization<'a>, least: f64) -> Option<Released<'a>> {
     let far = preset.as_ref().map_or_else(Vec::new, |preset| likely(preset, LEAST));
     let starts = near.into_iter().map(|own| (point, own));
     let starts = starts.chain(far.into_iter().filter_map(|own| Some((preset.as_ref()?, own))));
-    let starts: Vec<(&Linearization, (f64, Declared, f64))> = starts.collect();
-    let all = parallel::flat_map(&starts, |(start, (_, own, value))| {
-        fitted(point, &start.fitted, own.clone(), *value).ok().filter(Released::is_inside)
+    // One after the other, each against the best so far: where parameters nearly replace each other, a fit takes many steps to a cost that is
+    // no smaller. Within a fit the runs are parallel.
+    let mut rival = point.fitted.cost;
+    let all = starts.filter_map(|(start, (_, own, value))| {
+        let released = fitted(point, rival, &start.fitted, own, value).ok().filter(Released::is_inside)?;
+        rival = rival.min(released.fitted.cost);
+        Some(released)
     });
-    all.into_iter().max_by(|a, b| a.fall.total_cmp(&b.fall))
+    all.max_by(|a, b| a.fall.total_cmp(&b.fall))
 }
 
 /// The parameters without prior that explain most of the residual of a model, with the evidence and the value by (1).
@@ -175,13 +182,14 @@ fn explained(point: &Linearization, own: &Declared) -> Option<(f64, f64)> {
         return None;
     }
     let gain = point.evidence.gain(&column)?;
-    let value = (own.prior * gain.size[0].exp()).clamp(own.limits.0, own.limits.1);
+    let value = (own.prior * gain.size[0].clamp(-FARTHEST, FARTHEST).exp()).clamp(own.limits.0, own.limits.1);
     Some((gain.whitened.min(gain.raw) - point.per_number(), value))
 }
 
-/// The fit with a further parameter that starts at `value`, the others as in `start`.
+/// The fit with a further parameter that starts at `value`, the others as in `start`, against the cost of a rival.
 fn fitted<'a>(
     point: &Linearization<'a>,
+    rival: f64,
     start: &Fitted,
     own: Declared,
     value: f64,
@@ -190,7 +198,7 @@ fn fitted<'a>(
     let (setup, place) = with(point.setup, own);
     let mut start = start.hypothesis.clone();
     start.declared.insert(place, value);
-    let fitted = setup.settled(start, &point.runs)?;
+    let fitted = setup.settled_against(rival, start, &point.runs)?;
     let (white, raw) = Linearization::judged(&setup, fitted.clone(), &point.runs)?.explains(point);
     let fall = white.min(raw) - point.per_number();
     Ok(Released { name, setup, fitted, fall })

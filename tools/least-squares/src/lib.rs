@@ -10,8 +10,15 @@
 //! decrease of F to the decrease that the linear model predicts (Nielsen); after a step that fails it increases until the next one is
 //! shorter, which takes several times if lambda is small against N. A variable that a step would move out of its range stops at
 //! the limit, and the others are solved for again. A prior is a residual like any other.
+//!
+//! Where a step decreases F less than predicted, r is curved along it, as in a valley of two variables that nearly replace each other. Its
+//! second derivative along d follows from r(x + d); with it, (2) becomes
+//!
+//! 2 (J^T r(x + d) - N d)^T d' + d'^T (N + lambda D^2) d'                                   (3)
+//!
+//! and d' = d + a/2 with the geodesic acceleration a follows the valley. It costs an evaluation and no slopes.
 //! *Sources*: Moré, The Levenberg-Marquardt algorithm (1978); Madsen, Nielsen, Tingleff, Methods for non-linear least squares
-//! problems (2004), 3.2; Kanzow, Yamashita, Fukushima, J. Comput. Appl. Math. 172 (2004) for the projection.
+//! problems (2004), 3.2; Transtrum, Sethna, arXiv:1201.5885 (2012), for (3); Kanzow, Yamashita, Fukushima, J. Comput. Appl. Math. 172 (2004) for the projection.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -23,6 +30,12 @@ const ACCEPTED: f64 = 1e-4;
 const GOOD: f64 = 0.25;
 /// Damping of the step that gains all that the model has to offer: enough to keep a singular N solvable.
 const UNDAMPED: f64 = 1e-9;
+/// Decrease, relative to F, below which the linear model is believed to be right about what can be gained.
+const NEAR: f64 = 0.1;
+/// Ratio below which the curvature of r is taken into account.
+const BENT: f64 = 0.75;
+/// Greatest change of a step by the curvature, relative to it (Transtrum and Sethna: 2 |a/2| <= 0.75 |d|).
+const MOST_BENT: f64 = 0.375;
 /// Greatest length of a step after one that fails, relative to it: a longer one ends at nearly the same point.
 const SHORTER: f64 = 0.9;
 
@@ -84,6 +97,8 @@ pub struct Options {
     pub step: f64,
     /// Converged: the cosine between the residuals and every free column of J is smaller.
     pub gradient: f64,
+    /// F of another solution: the search ends where the linear model promises no smaller one.
+    pub rival: f64,
 }
 
 impl Default for Options {
@@ -96,6 +111,7 @@ impl Default for Options {
             decrease: 0.0,
             step: 1e-12,
             gradient: 1e-12,
+            rival: f64::INFINITY,
         }
     }
 }
@@ -109,7 +125,7 @@ pub enum Status {
     Decrease,
     /// The steps are too short to matter, or none decreases F.
     Step,
-    /// The most linearisations were used, or the problem asked to stop.
+    /// The most linearisations were used, the problem asked to stop, or a rival is better.
     Unfinished,
 }
 
@@ -185,12 +201,29 @@ pub fn minimise<P: Problem>(
             let enough = options.decrease.max(options.relative_decrease * cost);
             // A short step of a great damping is no convergence: the undamped model has to agree.
             let left = predicted.max(model.predicted(&model.step(UNDAMPED)));
+            if chords == 0 && left < NEAR * cost && cost - left > options.rival {
+                break Some(Status::Unfinished);
+            }
             // What slopes of a point far away still promise is found with new ones.
             if !is_near && left <= enough {
                 break None;
             }
             evaluations += 1;
-            let trial = problem.evaluate(&next).ok().map(|p| (problem.cost(&p), p));
+            let mut next = next;
+            let evaluated = |x: &DVector<f64>| problem.evaluate(x).ok().map(|p| (problem.cost(&p), p));
+            let mut trial = evaluated(&next);
+            if let Some((found, reached)) = &trial
+                && is_near
+                && (cost - found) / predicted < BENT
+                && !problem.stop()
+            {
+                let bent = model.bent(&next, &problem.gradient(&next, reached, &slopes), damping);
+                evaluations += 1;
+                let other = evaluated(&bent);
+                if other.as_ref().is_some_and(|(other, _)| other < found) {
+                    (next, trial) = (bent, other);
+                }
+            }
             let ratio = trial.as_ref().map_or(-1.0, |(found, _)| (cost - found) / predicted);
             match trial {
                 Some((found, reached)) if found < cost && ratio > ACCEPTED => {
@@ -256,9 +289,23 @@ impl Model<'_> {
         })
     }
 
+    /// The end of the step of (3), with the J^T r of the step of (2) to `straight`: of the part t of it, t d + t^2 (d' - d), along which
+    /// the change by the curvature is no more than [`MOST_BENT`].
+    fn bent(&self, straight: &DVector<f64>, there: &DVector<f64>, damping: f64) -> DVector<f64> {
+        let gradient = there - self.information * (straight - self.x);
+        let bent = Model { gradient: &gradient, ..*self }.step(damping);
+        let part = MOST_BENT * self.length(straight) / self.beyond(&bent, straight);
+        if part < 1.0 { self.x + part * ((straight - self.x) + part * (bent - straight)) } else { bent }
+    }
+
     /// Length of the step to `next` in units of D.
     fn length(&self, next: &DVector<f64>) -> f64 {
-        (0..next.len()).map(|k| self.own(k) * (next[k] - self.x[k]).powi(2)).sum::<f64>().sqrt()
+        self.beyond(next, self.x)
+    }
+
+    /// Length of the way from `from` to `next` in units of D.
+    fn beyond(&self, next: &DVector<f64>, from: &DVector<f64>) -> f64 {
+        (0..next.len()).map(|k| self.own(k) * (next[k] - from[k]).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Element of D^2; a column of zeros has no scale of its own.

@@ -78,6 +78,19 @@ fn rosenbrock_from_the_usual_start_and_from_far() {
     }
 }
 
+/// A valley whose walls are ten to a thousand times as steep as that of Rosenbrock. Without eq. (3) this takes 60 to 1350 linearisations.
+#[test]
+fn a_narrow_curved_valley_is_followed() {
+    for (wall, most) in [(1e2, 20), (1e3, 45), (1e4, 80)] {
+        let valley = |x: &DVector<f64>| vec![wall * (x[1] - x[0] * x[0]), 1.0 - x[0]];
+        for start in [[-1.2, 1.44], [-3.0, 2.0], [6.0, -5.0]] {
+            let found = solve(valley, &start, &[FREE; 2], Options::default());
+            assert_near(&found.x, &[1.0, 1.0], 1e-6);
+            assert!(found.linearisations < most, "{wall}, {start:?}: {}", found.linearisations);
+        }
+    }
+}
+
 /// With x1 <= 0.5 the solution is at the limit, where x2 = x1^2.
 #[test]
 fn rosenbrock_in_a_box() {
@@ -261,4 +274,18 @@ fn a_small_damping_costs_no_evaluations() {
     for damping in [1e-12, 1e-9, 1e-6] {
         assert!(evaluations(damping) <= usual + 1, "{} instead of {usual}", evaluations(damping));
     }
+}
+
+/// A minimum of 1 beside a rival with 0.5: the search ends before it; beside a rival with 2 it does not.
+#[test]
+fn a_search_that_cannot_beat_its_rival_ends() {
+    let of = |rival: f64| {
+        let arc = |x: &DVector<f64>| vec![1.0, (0.1 * x[0]).exp() - 1.0, 0.1 * (x[0] - x[1])];
+        let options = Options { rival, damping: 1.0, ..Options::default() };
+        minimise(&Function(arc, None), DVector::from_vec(vec![9.0, -3.0]), &[FREE; 2], &options).unwrap()
+    };
+    let (ended, whole) = (of(0.5), of(2.0));
+    assert_eq!(ended.status, Status::Unfinished);
+    assert!(ended.linearisations < whole.linearisations, "{} {}", ended.linearisations, whole.linearisations);
+    assert!(whole.status != Status::Unfinished && whole.point.norm_squared() < 1.0 + 1e-9);
 }
