@@ -19,6 +19,7 @@ pub mod models;
 mod number;
 mod ports;
 pub mod resources;
+pub mod root;
 pub mod runtime;
 pub mod slopes;
 pub mod solver;

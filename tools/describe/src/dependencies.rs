@@ -129,7 +129,9 @@ impl Dependencies {
     pub fn of_all(kind: &ModelType) -> Dependencies {
         let points = [POINTS; TURNS].concat();
         let effort = Effort { points: &points, ..Effort::FULL };
-        Dependencies::found(kind, &Resources::default(), &StartValues::default(), &effort)
+        // The points of the fan curve act in few of the combinations, and hardly on the derivatives of some segments.
+        let found = Dependencies::found(kind, &Resources::default(), &StartValues::default(), &effort);
+        found.of_arrays((kind.declaration)())
     }
 
     /// The stored dependencies, and those of all points without repetition: the same unless the equations have changed.

@@ -1,10 +1,10 @@
 //! What a reader of the page chooses: motor, cooling, ambient and load, in the units of the controls.
 
 use describe::Preset;
-use physics::solver::root::try_root;
 use serde::Deserialize;
 use study::StudyError;
 use study::bench::Bench;
+use study::numeric::try_root;
 use study::steady::Setup;
 
 /// The model of the page: all motors without a gear.

@@ -2,13 +2,13 @@
 
 use crate::Answer;
 use crate::choice::{Choice, Load, ZERO_CELSIUS, current_for_torque};
-use physics::solver::root::try_root;
 use present::figure::{Axis, Figure};
 use present::number;
 use present::words::sentence;
 use serde::Serialize;
 use study::StudyError;
 use study::bench::Bench;
+use study::numeric::try_root;
 
 /// Points of the curves, and the fewest of a run that ends early.
 const POINTS: u32 = 300;

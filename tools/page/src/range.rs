@@ -4,13 +4,12 @@
 use crate::Answer;
 use crate::choice::{Choice, Load, RPM, current_at_voltage, current_for_torque};
 use crate::heating::duration;
-use physics::solver::root::try_root;
 use present::figure::{Axis, Figure};
 use present::number;
 use serde::Serialize;
 use study::StudyError;
 use study::bench::Bench;
-use study::numeric::linspace;
+use study::numeric::{linspace, try_root};
 use study::steady::continuous_torque;
 
 /// Speeds of the curves.

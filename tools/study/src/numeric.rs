@@ -1,4 +1,6 @@
-//! Small numerical tools: a maximum, a straight line.
+//! Small numerical tools: a root, a maximum, a straight line.
+
+pub use physics::root::{root, try_root, try_root_between};
 
 /// `n` numbers from `from` to `to`, both included; the first alone where `n` is 1.
 pub fn linspace(from: f64, to: f64, n: usize) -> Vec<f64> {

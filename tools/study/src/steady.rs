@@ -5,11 +5,11 @@
 
 use crate::StudyError;
 use crate::bench::Bench;
+use crate::numeric::try_root;
 use crate::reproduce::significant;
 use describe::Preset;
 use describe::usage::is_integral;
 use physics::declare::{Causality, Kind};
-use physics::solver::root::try_root;
 use serde::Serialize;
 
 /// Smallest heat flow from which a thermal resistance is computed, W.

@@ -17,7 +17,7 @@
 //! points of 40x40x10 fans: data sheet CUI CFM-40V; stall at 30 to 60 % of the free flow is usual for axial
 //! fans; (3) the project's own form.
 
-use crate::solver::root::try_root_between;
+use crate::root::try_root_between;
 use std::convert::Infallible;
 use std::fmt;
 

@@ -1,9 +1,8 @@
-//! Numerics: the integrators of the FMUs, and roots. The crate `reference` has the independent integrator of the tests.
+//! Numerics: the integrators of the FMUs. The crate `reference` has the independent integrator of the tests.
 
 pub mod explicit;
 pub mod lobatto;
 pub mod phi;
-pub mod root;
 pub mod split;
 pub mod stabilized;
 

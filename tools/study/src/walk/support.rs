@@ -12,8 +12,8 @@ use super::cycle::{Done, Near, steady};
 use super::load::Load;
 use super::periodic::Periodic;
 use crate::StudyError;
+use crate::numeric::try_root_between;
 use crate::reproduce::significant;
-use physics::solver::root::try_root_between;
 use serde::Serialize;
 
 /// Width of the bracket about the support at which the search ends.

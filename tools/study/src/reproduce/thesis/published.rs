@@ -14,9 +14,8 @@
 //! `entrance_exit.rs`) with the contraction 0.617 at sigma = 0, so that K_c(0) = 0.785 and 0.385 (audit, T36).
 
 use super::measured::{FAN_FLOW, FAN_PRESSURE, MOTOR_DIAMETER, MOTOR_LENGTH, POWER, R_WH, T_AMBIENT};
-use crate::numeric::maximum;
+use crate::numeric::{maximum, root};
 use physics::correlations::entrance_exit::{contraction_ratio, expansion};
-use physics::solver::root::root;
 use std::f64::consts::PI;
 
 /// Density of air at 300 K, kg/m3 (Incropera, table A.4).

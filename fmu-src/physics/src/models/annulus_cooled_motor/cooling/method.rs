@@ -1,7 +1,8 @@
 //! A cooling mode as a [`Method`]: the parts that it adds to the motor, the heat paths from the segments of the housing as
 //! [`Coefficients`], and its outputs.
 
-use super::{Coefficients, Conditions, method, repeated};
+use super::repeated::{self, Key};
+use super::{Coefficients, Conditions, method};
 use crate::components::annulus::Gap;
 use crate::components::conductance::Conductance;
 use crate::components::housing::StillAir;
@@ -108,8 +109,15 @@ impl Site<'_> {
         })
     }
 
+    /// Everything that the heat paths of a slow method depend on.
+    fn key(&self) -> Key {
+        let (p, at) = (self.parameters, *self.at);
+        let (mode, housing, parts) = (p.choices.cooling_mode, p.housing, p.cooling);
+        Key { at, command: self.command, segments: self.segments, mode, housing, parts }
+    }
+
     /// The heat paths that a method adds here.
-    pub(super) fn coefficients(&self, method: &dyn Method) -> Coefficients {
+    fn coefficients(&self, method: &dyn Method) -> Coefficients {
         let mut c = Coefficients::NONE;
         method.add(self, &mut c);
         c
@@ -177,7 +185,7 @@ impl Cooling {
             gap: self.gap.as_ref(),
         };
         let mut c = if self.method.is_slow() {
-            repeated::coefficients(self.method, &site)
+            repeated::or(site.key(), || site.coefficients(self.method))
         } else {
             site.coefficients(self.method)
         };

@@ -4,42 +4,35 @@
 //! The result is that of the evaluation, bit for bit. One memory for each thread, without a destructor: a library with one could not be
 //! unloaded.
 
-use super::{Coefficients, Conditions, CoolingMode, Method, Parts, Site};
+use super::{Coefficients, Conditions, CoolingMode, Parts};
 use crate::components::housing::Housing;
 use std::cell::RefCell;
 
 /// Everything that the heat paths depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Key {
-    at: Conditions,
-    command: f64,
-    segments: usize,
-    mode: CoolingMode,
-    housing: Housing,
-    parts: Parts,
+pub struct Key {
+    /// The conditions.
+    pub at: Conditions,
+    /// Fan command after the effects at the port fan_flow.
+    pub command: f64,
+    /// Number of segments of the housing.
+    pub segments: usize,
+    /// The mode.
+    pub mode: CoolingMode,
+    /// The housing.
+    pub housing: Housing,
+    /// The parts of the modes.
+    pub parts: Parts,
 }
 
 thread_local! {
     static LAST: RefCell<Option<(Key, Coefficients)>> = const { RefCell::new(None) };
 }
 
-/// The heat paths of the method of the parameters' mode at a site.
-pub fn coefficients(method: &dyn Method, site: &Site) -> Coefficients {
-    let p = site.parameters;
-    let key = Key {
-        at: *site.at,
-        command: site.command,
-        segments: site.segments,
-        mode: p.choices.cooling_mode,
-        housing: p.housing,
-        parts: p.cooling,
-    };
+/// The heat paths of this key, by `compute` unless they are the last ones.
+pub fn or(key: Key, compute: impl FnOnce() -> Coefficients) -> Coefficients {
     LAST.with_borrow_mut(|last| match last {
         Some((known, c)) if *known == key => *c,
-        _ => {
-            let c = site.coefficients(method);
-            *last = Some((key, c));
-            c
-        }
+        _ => last.insert((key, compute())).1,
     })
 }

@@ -225,7 +225,7 @@ fn what_is_kept_depends_on_every_parameter_and_condition() {
             assert_eq!(
                 got,
                 fresh(&parameters, &now),
-                "{mode:?}: `{name}` is missing in the Key of cooling/repeated.rs"
+                "{mode:?}: `{name}` is missing in Key of cooling/repeated.rs"
             );
         }
     }

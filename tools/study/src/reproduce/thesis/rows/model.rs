@@ -1,12 +1,11 @@
 //! Chapter 5: the model of the annulus.
 
-use crate::numeric::linspace;
+use crate::numeric::{linspace, root};
 use crate::reproduce::thesis::measured::*;
 use crate::reproduce::thesis::native::winding_at;
 use crate::reproduce::thesis::projection::torque_at_5_a;
 use crate::reproduce::thesis::published::*;
 use crate::reproduce::{Basis, Rows, significant};
-use physics::solver::root::root;
 
 /// Conductivity of a steel housing, W/(m.K), which eqs. (11) and (18) would take if read as published.
 const K_HOUSING: f64 = 16.0;
