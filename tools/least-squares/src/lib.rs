@@ -213,11 +213,11 @@ pub fn minimise<P: Problem>(
             let evaluated = |x: &DVector<f64>| problem.evaluate(x).ok().map(|p| (problem.cost(&p), p));
             let mut trial = evaluated(&next);
             if let Some((found, reached)) = &trial
-                && is_near
+                && chords == 0
                 && (cost - found) / predicted < BENT
                 && !problem.stop()
+                && let Some(bent) = model.bent(&next, &problem.gradient(&next, reached, &slopes), damping)
             {
-                let bent = model.bent(&next, &problem.gradient(&next, reached, &slopes), damping);
                 evaluations += 1;
                 let other = evaluated(&bent);
                 if other.as_ref().is_some_and(|(other, _)| other < found) {
@@ -289,13 +289,12 @@ impl Model<'_> {
         })
     }
 
-    /// The end of the step of (3), with the J^T r of the step of (2) to `straight`: of the part t of it, t d + t^2 (d' - d), along which
-    /// the change by the curvature is no more than [`MOST_BENT`].
-    fn bent(&self, straight: &DVector<f64>, there: &DVector<f64>, damping: f64) -> DVector<f64> {
+    /// The end of the step of (3), with the J^T r of the end of the step of (2), `straight`; `None` where the curvature changes it by more than
+    /// [`MOST_BENT`], which is no curvature of a second derivative alone.
+    fn bent(&self, straight: &DVector<f64>, there: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
         let gradient = there - self.information * (straight - self.x);
         let bent = Model { gradient: &gradient, ..*self }.step(damping);
-        let part = MOST_BENT * self.length(straight) / self.beyond(&bent, straight);
-        if part < 1.0 { self.x + part * ((straight - self.x) + part * (bent - straight)) } else { bent }
+        (self.beyond(&bent, straight) <= MOST_BENT * self.length(straight)).then_some(bent)
     }
 
     /// Length of the step to `next` in units of D.

@@ -194,7 +194,7 @@ impl Gap {
         let per_mass = 1.0 / (air.rho * self.section);
         Resistance {
             gap: self,
-            reynolds: self.d_h / (self.section * air.mu),
+            reynolds: self.reynolds(1.0, air),
             dynamic: 0.5 * air.rho * per_mass * per_mass,
             friction: pressure_drop(1.0, air.mu, per_mass, self.length, self.d_h),
         }

@@ -40,6 +40,7 @@ mod filters;
 pub mod illustration;
 mod mistakes;
 mod search;
+mod sides;
 mod supply;
 #[cfg(test)]
 mod tests;

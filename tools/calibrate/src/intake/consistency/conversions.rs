@@ -11,6 +11,8 @@ const SAME: f64 = 1e-3;
 
 /// The conversion by -1, in words.
 pub const SIGN: &str = "the opposite sign";
+/// Words of a quantity that was recorded on the other side of a transmission.
+pub const OTHER_SIDE: &str = " side of ";
 /// Degrees Fahrenheit in a kelvin. Definition: of the degree; t degC are 1.8 t + 32 of them.
 const FAHRENHEIT: f64 = 1.8;
 /// Resistance of a platinum thermometer at 0 degC, Ohm, and its change per kelvin. Definition: IEC 60751, Pt100.

@@ -1,7 +1,7 @@
 //! Mistakes in the columns of an experiment: units, signs, exchanged columns.
 
 use super::super::ambient;
-use super::conversions::{SIGN, type_mistakes, unit_mistakes};
+use super::conversions::{OTHER_SIDE, SIGN, type_mistakes, unit_mistakes};
 use super::filters::{without_coupling, without_lag};
 use super::supply::Supply;
 use crate::experiment::{CELSIUS, Channel, Experiment, LONGEST_RUN, Start};
@@ -134,7 +134,7 @@ impl Mistake {
 
     /// Whether it is a unit in which the column may be recorded.
     pub fn is_plain(&self) -> bool {
-        self.change().is_some_and(|words| words.starts_with("readings in "))
+        self.change().is_some_and(|words| words.starts_with("readings in ") || words.contains(OTHER_SIDE))
     }
 
     /// Whether it is one of the level: another unit or sign of several temperatures, or of any where a run does not start at the ambient one.

@@ -2,6 +2,7 @@
 
 use super::cost::{Cost, crossed, fitted, with_free};
 use super::mistakes::{Mistake, mistakes};
+use super::sides::of_transmissions;
 use super::{Judge, Predicted, blanked, score, supply, unmeasured, worst};
 use crate::CalibrateError;
 use crate::catalogue::shapes_an_effect;
@@ -206,7 +207,7 @@ fn likely(judge: &Judge, at: &Experiment, predicted: &Predicted) -> Result<Vec<C
         one.score < -FALL
             && (one.mistake.is_partial() || agrees_more(&before[usize::from(is_simulated)], &after))
     };
-    let candidates = mistakes(at);
+    let candidates = all(judge, at);
     // Outputs first, because they need no simulation; then inputs; an arbitrary factor if no usual mistake explains the data.
     for mistake in candidates.iter().filter(|m| !m.is_simulated(at)) {
         // Upper bound of the gain: full agreement of the affected outputs.
@@ -295,6 +296,7 @@ fn confirmed(
         }
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let names = self::all(judge, at);
     while !all.is_empty() {
         let most = all[0].0 + LEAST;
         // Structure error decides between a plain unit and others that leave as little; the first in the list is the simplest.
@@ -304,7 +306,7 @@ fn confirmed(
             *cost <= most || is_plain && !own.is_worse_than(least, FACTOR, None)
         };
         let alike = (0..all.len()).filter(|k| is_alike(&all[*k]));
-        let simplest = alike.min_by_key(|k| place(&all[*k].2.mistake, at)).unwrap_or(0);
+        let simplest = alike.min_by_key(|k| place(&all[*k].2.mistake, &names)).unwrap_or(0);
         let (_, as_meant, one) = all.remove(simplest);
         let rest: Vec<(f64, Cost, Changed)> = all.extract_if(.., |(cost, ..)| *cost <= most).collect();
         let mut is_sensor = false;
@@ -325,9 +327,13 @@ fn confirmed(
     Ok(None)
 }
 
+/// All mistakes, the simplest first.
+fn all(judge: &Judge, at: &Experiment) -> Vec<Mistake> {
+    [of_transmissions(at, judge.preset), mistakes(at)].concat()
+}
+
 /// Place of a mistake in the list of all.
-fn place(mistake: &Mistake, at: &Experiment) -> usize {
-    let all = mistakes(at);
+fn place(mistake: &Mistake, all: &[Mistake]) -> usize {
     all.iter().position(|other| other == mistake).unwrap_or(all.len())
 }
 
