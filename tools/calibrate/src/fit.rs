@@ -24,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 use physics::terms::Port;
 
 /// Options of a fit near the optimum. Numerical: a step that reduces (1) by less than `decrease` is the last; strong evidence is 60
-/// times as much.
+/// times as much. Steps with the same slopes correct for the curvature there.
 const OPTIONS: Options = Options {
     damping: 1e-6,
     linearisations: 6,
@@ -33,11 +33,12 @@ const OPTIONS: Options = Options {
     decrease: 0.1,
     step: 1e-9,
     gradient: 1e-9,
+    curved: false,
     rival: f64::INFINITY,
 };
 
 /// Options for a start far from the optimum. Numerical: more iterations, and damping as the linearization is poor.
-const FAR: Options = Options { damping: 1e-2, linearisations: 40, ..OPTIONS };
+const FAR: Options = Options { damping: 1e-2, linearisations: 40, curved: true, ..OPTIONS };
 /// Perturbation of a parameter for its sensitivity, relative to its value or deviation. Numerical: half of the digits remain in the
 /// difference.
 const WAY: f64 = 1e-4;

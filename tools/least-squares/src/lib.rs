@@ -97,6 +97,8 @@ pub struct Options {
     pub step: f64,
     /// Converged: the cosine between the residuals and every free column of J is smaller.
     pub gradient: f64,
+    /// Whether steps follow the curvature of r, eq. (3).
+    pub curved: bool,
     /// F of another solution: the search ends where the linear model promises no smaller one.
     pub rival: f64,
 }
@@ -111,6 +113,7 @@ impl Default for Options {
             decrease: 0.0,
             step: 1e-12,
             gradient: 1e-12,
+            curved: true,
             rival: f64::INFINITY,
         }
     }
@@ -213,6 +216,7 @@ pub fn minimise<P: Problem>(
             let evaluated = |x: &DVector<f64>| problem.evaluate(x).ok().map(|p| (problem.cost(&p), p));
             let mut trial = evaluated(&next);
             if let Some((found, reached)) = &trial
+                && options.curved
                 && chords == 0
                 && (cost - found) / predicted < BENT
                 && !problem.stop()

@@ -25,6 +25,7 @@ const OPTIONS: Options = Options {
     decrease: 0.0,
     step: 1e-6,
     gradient: 1e-9,
+    curved: false,
     rival: f64::INFINITY,
 };
 /// The same for a fit without one observation.

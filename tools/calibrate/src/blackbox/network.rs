@@ -41,6 +41,7 @@ const OPTIONS: Options = Options {
     decrease: 0.0,
     step: 1e-6,
     gradient: 1e-6,
+    curved: false,
     rival: f64::INFINITY,
 };
 /// Options of the fit from each start; the fit continues from the best one. Numerical: five iterations separate the starts.

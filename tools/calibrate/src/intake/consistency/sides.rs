@@ -54,6 +54,7 @@ pub fn of_transmissions(experiment: &Experiment, preset: &[(u32, f64)]) -> Vec<M
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing;
 
     /// 1 N.m of a load behind a gear of 86 is 1/86 N.m of its motor, which turns 86 times as fast.
     #[test]
@@ -64,5 +65,25 @@ mod tests {
         assert!(factors(Unit::Ampere, "gear.ratio", 86.0).is_empty());
         let words = &factors(Unit::RadianPerSecond, "gear.ratio", 86.0)[0].1;
         assert_eq!(words, "readings divided by 86.0 (as of the motor's side of gear.ratio)");
+    }
+
+    /// The ratio is that of `[set]`, of the preset, or of the model; a motor without a gear has no other side.
+    #[test]
+    fn the_ratio_is_that_of_the_experiment() {
+        let mut experiment = testing::experiment("", false);
+        assert_eq!(of_transmissions(&experiment, &[]), []);
+        experiment.model = "BrushedGearmotor".to_string();
+        let ratio = declaration(&experiment).unwrap().by_name("gear.ratio").unwrap();
+        let speed = |experiment: &Experiment, preset: &[(u32, f64)]| match &of_transmissions(
+            experiment, preset,
+        )[..]
+        {
+            [Mistake::Affine { columns, factor, .. }, ..] => (columns[0], 1.0 / factor),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(speed(&experiment, &[]), (1, ratio.row.start));
+        assert_eq!(speed(&experiment, &[(ratio.value_reference, 64.0)]), (1, 64.0));
+        experiment.set.push(("gear.ratio".to_string(), 16.0));
+        assert_eq!(speed(&experiment, &[(ratio.value_reference, 64.0)]), (1, 16.0));
     }
 }
