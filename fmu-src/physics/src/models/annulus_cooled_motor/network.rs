@@ -127,34 +127,7 @@ impl Network {
 
     /// A copy without the linearization, for a reading or to [`return_to`](Self::return_to). It needs no memory.
     pub fn bare(&self) -> Network {
-        let Network {
-            body,
-            cooling,
-            states,
-            at,
-            now,
-            from_outside,
-            method,
-            fastest,
-            next,
-            substep,
-            tolerance,
-            ..
-        } = *self;
-        Network {
-            tangent: None,
-            body,
-            cooling,
-            states,
-            at,
-            now,
-            from_outside,
-            method,
-            fastest,
-            next,
-            substep,
-            tolerance,
-        }
+        Network { tangent: None, ..*self }
     }
 
     /// Becomes this copy; the linearization is evaluated again if it is a later one.
