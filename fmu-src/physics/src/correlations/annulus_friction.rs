@@ -110,8 +110,8 @@ impl Friction {
     /// Apparent f Re of laminar flow, eq. (2).
     #[inline]
     pub fn laminar(&self, re: f64) -> f64 {
-        // 1/x
         let (k, c) = self.entrance;
+        // 1/x: one division for all terms.
         let z = re.abs().clamp(1e-9, 1e9) * self.per_length;
         let steep = 3.44 * z.sqrt();
         steep + (self.developed + 0.25 * k * z - steep) / (1.0 + c * z * z)

@@ -337,7 +337,8 @@ fn contradict(columns: &[usize]) -> &'static str {
     if columns.len() == 1 { "contradicts" } else { "contradict" }
 }
 
-fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
+/// The columns of inputs and outputs, in their order.
+pub fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
     experiment.inputs.iter().chain(&experiment.outputs).copied().collect()
 }
 

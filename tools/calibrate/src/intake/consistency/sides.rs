@@ -1,9 +1,9 @@
 //! Torques and speeds that were recorded on the other side of a transmission: at the motor instead of behind the gear.
 
 use super::conversions::OTHER_SIDE;
-use super::mistakes::Mistake;
+use super::mistakes::{Mistake, channels};
 use crate::comparison::digits;
-use crate::experiment::{Channel, Experiment};
+use crate::experiment::Experiment;
 use crate::intake::declaration;
 use physics::declare::Unit;
 use physics::model::Entry;
@@ -37,18 +37,19 @@ pub fn of_transmissions(experiment: &Experiment, preset: &[(u32, f64)]) -> Vec<M
             || preset.iter().find(|(known, _)| *known == entry.value_reference).map(|(_, value)| *value);
         set.or_else(of_preset).unwrap_or(entry.row.start)
     };
-    let all: Vec<&Channel> = experiment.inputs.iter().chain(&experiment.outputs).copied().collect();
-    ratios
-        .flat_map(|entry| {
-            let of_channel = |(k, channel): (usize, &&Channel)| {
-                let sides = factors(channel.unit, &entry.name, value(entry)).into_iter();
-                let of =
-                    move |(factor, words)| Mistake::Affine { columns: vec![k], factor, offset: 0.0, words };
-                sides.map(of).collect::<Vec<_>>()
-            };
-            all.iter().enumerate().flat_map(of_channel).collect::<Vec<_>>()
-        })
-        .collect()
+    let mut found = Vec::new();
+    for entry in ratios {
+        for (k, channel) in channels(experiment).into_iter().enumerate() {
+            let sides = factors(channel.unit, &entry.name, value(entry)).into_iter();
+            found.extend(sides.map(|(factor, words)| Mistake::Affine {
+                columns: vec![k],
+                factor,
+                offset: 0.0,
+                words,
+            }));
+        }
+    }
+    found
 }
 
 #[cfg(test)]
