@@ -4,7 +4,7 @@
 //! Blocks are shortened until the mean square of each load, and with it a loss, keeps nearly all of its value: a load that alternates within a
 //! block heats the motor by its mean square, which means do not have.
 
-use crate::experiment::{Experiment, Run, Table};
+use crate::experiment::{Experiment, Run};
 use crate::levels::{NEGLIGIBLE, SMALL, STRUCTURE};
 use crate::noise;
 use crate::numbers::{median, range};
@@ -63,16 +63,11 @@ impl Experiment {
                 *stated = stated.hypot(quantised);
             }
         }
-        // Rows that the intake has put in at steps of the loads have no readings.
-        let outputs = self.inputs.len()..self.inputs.len() + self.outputs.len();
-        let is_read =
-            |table: &Table, row: usize| table.columns[outputs.clone()].iter().any(|c| !c[row].is_nan());
-        let in_run = |run: &Run| (0..run.table.time.len()).filter(|row| is_read(&run.table, *row)).count();
-        let read: usize = self.runs.iter().map(in_run).sum();
+        let logged: usize = self.runs.iter().map(|run| run.table.logged).sum();
         let now: usize = means.runs.iter().map(|run| run.table.time.len()).sum();
         let of = if least == most { format!("{most}") } else { format!("{least} to {most}") };
         means.notes.push(format!(
-            "the runs have {read} rows: parameters and effects were found with {now} means over {of} rows each (about {:.2} s), or fewer \
+            "the runs have {logged} rows: parameters and effects were found with {now} means over {of} rows each (about {:.2} s), or fewer \
              rows at steps of the load; all errors are those of the rows as measured",
             all / now as f64
         ));

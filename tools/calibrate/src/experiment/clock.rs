@@ -218,7 +218,7 @@ mod tests {
                 .collect(),
             (0..1200).map(|k: usize| temperature[k.saturating_sub(late[1])] + 0.3 * noise()).collect(),
         ];
-        let table = Table { time, columns, dated: false, notes: Vec::new() };
+        let table = Table { time, columns, ..Table::default() };
         Run {
             priors: Vec::new(),
             file: file.to_string(),

@@ -63,7 +63,7 @@ mod tests {
         let time: Vec<f64> = (0..100).map(|k| 2.0 * f64::from(k)).collect();
         // The first thirty rows are at rest and identical in all files.
         let column = (0..100).map(|k| if k < 30 { 0.0 } else { (f64::from(k) + shift).sin() }).collect();
-        let table = Table { time, columns: vec![column], dated: false, notes: Vec::new() };
+        let table = Table { time, columns: vec![column], ..Table::default() };
         let (priors, set) = (Vec::new(), Vec::new());
         Run { priors, file: file.to_string(), role, window, start: super::super::Start::Ambient, set, table }
     }

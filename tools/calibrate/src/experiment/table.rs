@@ -21,6 +21,8 @@ pub struct Table {
     pub time: Vec<f64>,
     /// One column for each requested channel; NaN for a missing reading.
     pub columns: Vec<Vec<f64>>,
+    /// Number of rows of the file; the intake adds rows at steps of the loads.
+    pub logged: usize,
     /// Whether the times are dates: seconds since 1970-01-01.
     pub dated: bool,
     /// Warnings, in sentences.
@@ -88,6 +90,7 @@ impl Table {
         let mut table = Table {
             time: Vec::new(),
             columns: vec![Vec::new(); wanted.len()],
+            logged: 0,
             dated: false,
             notes: text.remarks().iter().map(|remark| format!("{file}: {}", remark.message)).collect(),
         };
@@ -178,6 +181,7 @@ impl Table {
                 table.time.len()
             )));
         }
+        table.logged = table.time.len() + repeated;
         for ((words, channel), column) in words.iter().zip(wanted).zip(&table.columns) {
             let is_empty = column.iter().all(|value| value.is_nan());
             let note = words.note(channel.column, is_empty).map_err(|(line, message)| at(line, message))?;

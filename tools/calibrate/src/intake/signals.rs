@@ -381,7 +381,7 @@ mod tests {
 
     fn table(column: Vec<f64>) -> Table {
         let time = (0..column.len()).map(|k| 2.0 * k as f64).collect();
-        Table { time, columns: vec![column], dated: false, notes: Vec::new() }
+        Table { time, columns: vec![column], ..Table::default() }
     }
 
     fn winding() -> &'static Channel {
