@@ -343,7 +343,7 @@ impl Fit<'_> {
         let mut all = vec![Vec::new(); m];
         for ((run, shown), answers) in self.runs.iter().zip(&fitted.shown).zip(&answers) {
             self.setup.each(*run, shown, |row, output, _| {
-                let sigma = self.setup.sigma(output);
+                let sigma = self.setup.sigma(output) / self.setup.weight(*run, row, output);
                 let of = |(answer, scale): (&Option<Vec<f64>>, &Scale)| {
                     answer.as_ref().map_or(0.0, |values| values[row * m + output] * scale.unit / sigma)
                 };
@@ -405,8 +405,10 @@ impl Problem for Fit<'_> {
     fn gradient(&self, x: &DVector<f64>, fitted: &Fitted, slopes: &Self::Slopes) -> DVector<f64> {
         let mut residuals = vec![Vec::new(); self.setup.outputs()];
         for (run, shown) in self.runs.iter().zip(&fitted.shown) {
-            self.setup
-                .each(*run, shown, |_, output, off| residuals[output].push(-off / self.setup.sigma(output)));
+            self.setup.each(*run, shown, |row, output, off| {
+                residuals[output]
+                    .push(-off * self.setup.weight(*run, row, output) / self.setup.sigma(output));
+            });
         }
         let mut gradient = DVector::zeros(x.len());
         for (own, residual) in slopes.0.iter().zip(residuals) {

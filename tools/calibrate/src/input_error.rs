@@ -194,7 +194,9 @@ fn likely(point: &Linearization, places: &[Vec<usize>], least: f64) -> Vec<Wrong
     let mut all: Vec<(usize, Form, &Vec<usize>)> = Vec::new();
     for (input, channel) in setup.experiment.inputs.iter().enumerate() {
         for place in places {
-            let forms = form::forms(channel, &setup.drives, input, place);
+            let mut forms = form::forms(channel, &setup.drives, input, place);
+            // A function follows anything: what a law in the motor explains must be known.
+            forms.retain(|form| form.count() == 1 || setup.takes_laws());
             all.extend(forms.into_iter().map(|form| (input, form, place)));
         }
     }

@@ -19,11 +19,11 @@ use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Slopes;
 use crate::hypothesis::Hypothesis;
-use crate::levels::{CERTAIN, NEARLY, NEGLIGIBLE};
+use crate::levels::{CERTAIN, NEARLY, NEGLIGIBLE, SMALL};
 use crate::noise::{self, is_new_in_every_row, is_stated, least, of_columns};
 use crate::setup::Setup;
 use crate::smoothing::smoothed;
-use crate::tangent::Probe;
+use crate::tangent::{Probe, Tangent};
 use std::sync::Arc;
 
 /// Readings of an output in a run, and their residual.
@@ -54,6 +54,7 @@ impl Setup<'_> {
         let remembered = (0..inputs).filter(slow).collect();
         let (direct, _) = self.variances(&slopes, |_| true);
         let known: Vec<f64> = (0..m).map(|output| self.sigma(output)).collect();
+        self.weigh(&slopes, &direct, hypothesis, runs)?;
         self.remembered = remembered;
         self.reached = Arc::new(slopes.tangents.into_iter().flat_map(|t| t.drivers).collect());
         for (output, direct) in direct.into_iter().enumerate() {
@@ -61,6 +62,53 @@ impl Setup<'_> {
             self.lower(output, left[output]);
         }
         self.correct_inputs(hypothesis, &known)
+    }
+
+    /// Weighs the readings of these runs and of the validation runs by the noise that inputs cause in their rows, if rows differ in it.
+    /// `means` are the means of their variances.
+    fn weigh(
+        &mut self,
+        slopes: &Slopes,
+        means: &[f64],
+        hypothesis: &Hypothesis,
+        runs: &[usize],
+    ) -> Result<(), CalibrateError> {
+        let own = self.direct_variances(slopes);
+        let of_run = |setup: &Setup, variances: &[f64]| -> Vec<f64> {
+            let m = setup.outputs();
+            let of = |(k, variance): (usize, &f64)| {
+                let known = setup.sigma(k % m).powi(2);
+                ((known + means[k % m]) / (known + variance)).sqrt()
+            };
+            variances.iter().enumerate().map(of).collect()
+        };
+        let mut weights = vec![Vec::new(); self.experiment.runs.len()];
+        for (run, variances) in runs.iter().zip(&own) {
+            weights[*run] = of_run(self, variances);
+        }
+        self.weights = Arc::default();
+        if weights.iter().flatten().all(|weight| (weight - 1.0).abs() < SMALL) {
+            return Ok(());
+        }
+        let others: Vec<usize> =
+            self.runs(Role::Validate).into_iter().filter(|run| !runs.contains(run)).collect();
+        let further = self.direct_variances(&self.input_sensitivities(hypothesis, &others)?);
+        for (run, variances) in others.iter().zip(&further) {
+            weights[*run] = of_run(self, variances);
+        }
+        self.weights = Arc::new(weights);
+        Ok(())
+    }
+
+    /// Variance of each reading due to white input noise within its row, for linearised runs.
+    fn direct_variances(&self, slopes: &Slopes) -> Vec<Vec<f64>> {
+        let inputs = self.experiment.inputs.len();
+        let of_run = |(r, tangent): (usize, &Tangent)| {
+            let noises = slopes.further(r, inputs).iter().zip(&self.noise);
+            let noises: Vec<_> = noises.filter_map(|(d, sigma)| Some((d.as_ref()?, *sigma))).collect();
+            tangent.direct_variance(&noises)
+        };
+        slopes.tangents.iter().enumerate().map(of_run).collect()
     }
 
     /// Eq. (2) for the fit and validation runs; `known` are the deviations of the sensors of the outputs.

@@ -30,8 +30,8 @@ use crate::linearization::Linearization;
 use crate::outcome::Follows;
 use crate::parallel;
 use crate::selection::NEAR;
+use laws::{acts, of_two, powers, smooth, varies};
 pub use laws::{alike, kernel, spread, table, table_values};
-use laws::{of_two, powers, smooth, varies};
 use memory_terms::{FREE, histories, latent_inputs};
 pub use memory_terms::{best_memory_term, latent_input, latent_input_at, needs_memory};
 use physics::terms::{Driver, Port};
@@ -158,12 +158,12 @@ pub fn search(point: &Linearization) -> Vec<Scored> {
     let drivers: Vec<Driver> = Driver::ALL
         .iter()
         .copied()
-        .filter(|driver| *driver != Driver::LoadTorque || point.setup.has_load())
         // A term can depend on a heat flow only through a lag.
         .filter(|driver| !driver.is_heat() && varies(point, *driver))
         .collect();
     let jobs: Vec<(Port, Driver)> =
         Port::ALL.iter().flat_map(|p| drivers.iter().map(move |d| (*p, *d))).collect();
+    let jobs: Vec<_> = jobs.into_iter().filter(|(port, driver)| acts(point, *port, *driver)).collect();
     let shape_of =
         |(port, driver): &(Port, Driver)| Some((*port, *driver, smooth(point, *port, *driver, per_number)?));
     let mut shapes = parallel::flat_map(&jobs, shape_of);

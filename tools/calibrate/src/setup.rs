@@ -120,6 +120,9 @@ pub struct Setup<'a> {
     pub kept: Vec<String>,
     /// Standard deviations of the noise: inputs, then outputs.
     pub noise: Vec<f64>,
+    /// Weight of each reading (rows times outputs of each run) beside that of its noise's mean over the rows; empty where all are alike.
+    /// *Source*: effective variance, Orear, Am. J. Phys. 50 (1982) 912.
+    pub weights: Arc<Vec<Vec<f64>>>,
     /// Part of the outputs' noise due to disagreement between runs; empty if there is none.
     pub between: Vec<f64>,
     /// Inputs whose noise is stored in heat capacities and therefore correlates between neighbouring rows.
@@ -172,6 +175,7 @@ impl<'a> Setup<'a> {
             declared,
             kept: Vec::new(),
             noise: Vec::new(),
+            weights: Arc::default(),
             between: Vec::new(),
             remembered: Vec::new(),
             reached: Arc::default(),
@@ -208,6 +212,7 @@ impl<'a> Setup<'a> {
         let mut own = Setup {
             experiment,
             all_rows: None,
+            weights: Arc::default(),
             between: Vec::new(),
             driven: Arc::clone(&drives),
             smooth: Arc::clone(&drives),
@@ -282,7 +287,12 @@ impl<'a> Setup<'a> {
         ends
     }
 
-    /// Whether the load is an input. If the speed is imposed instead, torque carries the same information as current.
+    /// Whether the model takes laws, so that a search knows what a law explains.
+    pub fn takes_laws(&self) -> bool {
+        self.bench.declaration().by_name("effect.generic_term.gain").is_some()
+    }
+
+    /// Whether the load is an input.
     pub fn has_load(&self) -> bool {
         self.experiment.inputs.iter().any(|c| c.input == Some("load_torque"))
     }
@@ -295,6 +305,11 @@ impl<'a> Setup<'a> {
     /// Noise of an output.
     pub fn sigma(&self, output: usize) -> f64 {
         self.noise[self.experiment.place_of(output)]
+    }
+
+    /// Relative weight of a reading: the noise of its output, over that of this row.
+    pub fn weight(&self, run: usize, row: usize, output: usize) -> f64 {
+        self.weights.get(run).and_then(|own| own.get(row * self.outputs() + output)).copied().unwrap_or(1.0)
     }
 
     /// The setup with another input in these runs; `change` gets drives, run, row and reading.
@@ -418,8 +433,8 @@ impl<'a> Setup<'a> {
     pub fn chi_square(&self, runs: &[usize], shown: &[Shown]) -> (f64, usize) {
         let (mut sum, mut count) = (0.0, 0);
         for (run, shown) in runs.iter().zip(shown) {
-            self.each(*run, shown, |_, output, off| {
-                sum += (off / self.sigma(output)).powi(2);
+            self.each(*run, shown, |row, output, off| {
+                sum += (off * self.weight(*run, row, output) / self.sigma(output)).powi(2);
                 count += 1;
             });
         }
@@ -428,8 +443,13 @@ impl<'a> Setup<'a> {
 
     /// The weighted sum of squares over runs, output by output.
     pub fn chi_squares(&self, runs: &[usize], shown: &[Shown]) -> Vec<f64> {
-        let sums = self.squares(runs, shown).into_iter().enumerate();
-        sums.map(|(output, (sum, _))| sum / self.sigma(output).powi(2)).collect()
+        let mut sums = vec![0.0; self.outputs()];
+        for (run, shown) in runs.iter().zip(shown) {
+            self.each(*run, shown, |row, output, off| {
+                sums[output] += (off * self.weight(*run, row, output) / self.sigma(output)).powi(2);
+            });
+        }
+        sums
     }
 
     /// Root mean square error of each output over runs; NaN where there is no reading.

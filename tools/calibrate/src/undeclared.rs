@@ -4,21 +4,25 @@
 //! would be found that does not exist. Therefore every parameter that stands neither in `[prior]` nor in `[set]` may have another value.
 //! To first order that changes the outputs by
 //!
-//! dy = dy/d(ln p) s,   p -> p e^s                                                             (1)
+//! dy = dy/ds s,   p -> p e^s,  or p -> s p_n if p = 0, on the side of 0 that the limits leave,       (1)
+//!
+//! p_n the nominal value of the declaration, an ordinary one.
 //!
 //! The parameters that explain most of the residual are fitted one by one with the declared parameters, as if they had a prior with a
 //! standard deviation of their own value. The best one is kept in two cases:
 //! - before the search, if the data contradict the model by more than a missing effect does (`intake/consistency.rs`);
 //! - in the search, if it explains the fit runs at least as well as every effect, and the error of the validation runs falls.
 //!
-//! A parameter that is zero switches off a part of the model and is no candidate, and neither is a start value.
+//! A parameter that is 0 may stand for a coefficient that nobody stated (of magnets over temperature, of a grease) or switch off a part of
+//! the model (a node without heat capacity). The outputs follow the one, (1), and jump with the other, which is no candidate; neither is a
+//! start value. The sizes of the listed effects are candidates of the search.
 //! *Source*: evidence and its penalty as for effects (`evidence.rs`, `selection.rs`).
 
 use crate::CalibrateError;
 use crate::catalogue::shapes_an_effect;
 use crate::experiment::Role;
 use crate::fit::Fitted;
-use crate::levels::NEARLY;
+use crate::levels::{NEARLY, PART};
 use crate::linearization::Linearization;
 use crate::parallel;
 use crate::search::Scored;
@@ -27,9 +31,9 @@ use crate::setup::{Declared, Setup};
 use physics::declare::{Causality, Kind};
 use physics::model::Entry;
 
-/// Change of ln p for the difference in (1). Numerical: the error of the sensitivity is 1 %.
+/// Change of s for the difference in (1). Numerical: the error of the sensitivity is 1 %.
 const STEP: f64 = 0.01;
-/// Largest magnitude of ln p by (1) for the start of a fit. Definition: one deviation of its prior; beyond it a first-order value, which may be
+/// Largest magnitude of s by (1) for the start of a fit. Definition: one deviation of its prior; beyond it a first-order value, which may be
 /// thousands of times too small, only leads a fit astray.
 const FARTHEST: f64 = DEVIATION;
 /// Number of parameters that are fitted from each start. Numerical: a limit of effort; the others explain less to first order.
@@ -38,6 +42,8 @@ const FITTED: usize = 2;
 pub const DEVIATION: f64 = 1.0;
 /// Group of the start values.
 const START_VALUES: &str = "initial.";
+/// Group of the effects.
+const EFFECTS: &str = "effect.";
 
 /// An experiment with a further fitted parameter.
 pub struct Released<'a> {
@@ -135,7 +141,7 @@ fn candidates(setup: &Setup) -> Vec<Declared> {
     let is_open = |entry: &&Entry| {
         entry.row.causality == Causality::Parameter
             && matches!(entry.row.kind, Kind::Real)
-            && setup.bench.start_of(entry.slot) != 0.0
+            && (setup.bench.start_of(entry.slot) != 0.0 || !entry.name.starts_with(EFFECTS))
             && !entry.name.starts_with(START_VALUES)
             && !shapes_an_effect(&entry.name)
             && !setup.declared.iter().any(|d| d.slot == entry.slot)
@@ -145,7 +151,8 @@ fn candidates(setup: &Setup) -> Vec<Declared> {
     let entries = setup.bench.declaration().entries.iter().filter(is_open);
     let own = |entry: &Entry| {
         let prior = setup.bench.start_of(entry.slot);
-        Declared { is_released: true, ..Declared::new(entry, prior, DEVIATION * prior.abs()) }
+        let size = if prior == 0.0 { entry.row.nominal } else { prior.abs() };
+        Declared { is_released: true, ..Declared::new(entry, prior, DEVIATION * size) }
     };
     entries.map(own).collect()
 }
@@ -167,23 +174,39 @@ fn with<'a>(setup: &Setup<'a>, own: Declared) -> (Setup<'a>, usize) {
     (other, place)
 }
 
+/// Value of a parameter by (1).
+fn at(own: &Declared, s: f64) -> f64 {
+    let value = match own.prior {
+        0.0 if own.limits.1 > 0.0 => s * own.deviation,
+        0.0 => -s * own.deviation,
+        prior => prior * s.exp(),
+    };
+    value.clamp(own.limits.0, own.limits.1)
+}
+
 /// Evidence for another value of a parameter, and that value, by (1); `None` if it has no influence.
 fn explained(point: &Linearization, own: &Declared) -> Option<(f64, f64)> {
     let (setup, place) = with(point.setup, own.clone());
-    let mut moved = point.fitted.hypothesis.clone();
-    moved.declared.insert(place, own.prior * STEP.exp());
+    let moved = |s: f64| {
+        let mut moved = point.fitted.hypothesis.clone();
+        moved.declared.insert(place, at(own, s));
+        moved
+    };
     // Most parameters belong to modes that are not selected.
-    if !point.slopes.are_moved_by(&setup, &moved) {
+    if !point.slopes.are_moved_by(&setup, &moved(STEP)) {
         return None;
     }
-    let shown = setup.show(&moved, &point.runs).ok()?;
-    let column = point.difference_column(&shown)? / STEP;
-    if column.amax() == 0.0 {
+    let column = |s: f64| point.difference_column(&setup.show(&moved(s), &point.runs).ok()?);
+    let change = column(STEP)?;
+    // Twice the step has twice the response, unless the response is that of a switch.
+    if change.amax() == 0.0
+        || (own.prior == 0.0 && (column(2.0 * STEP)? - 2.0 * &change).norm() > PART * change.norm())
+    {
         return None;
     }
-    let gain = point.evidence.gain(&column)?;
-    let value = (own.prior * gain.size[0].clamp(-FARTHEST, FARTHEST).exp()).clamp(own.limits.0, own.limits.1);
-    Some((gain.whitened.min(gain.raw) - point.per_number(), value))
+    let gain = point.evidence.gain(&(change / STEP))?;
+    let value = at(own, gain.size[0].clamp(-FARTHEST, FARTHEST));
+    (value != own.prior).then(|| (gain.whitened.min(gain.raw) - point.per_number(), value))
 }
 
 /// The fit with a further parameter that starts at `value`, the others as in `start`, against the cost of a rival.

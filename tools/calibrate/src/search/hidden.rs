@@ -13,8 +13,8 @@
 
 use super::lag_starts::Decays;
 use super::laws::{
-    LEAST_REFERENCE, alike, coefficient, exponent, is_known, kernel, knots, number, scale, table_values,
-    term, varies,
+    LEAST_REFERENCE, acts, alike, coefficient, exponent, is_known, kernel, knots, number, scale,
+    table_values, term, varies,
 };
 use super::{Scored, choice, scored};
 use crate::evidence::Gain;
@@ -127,6 +127,7 @@ pub(super) fn lagging(
         .zip(&decays)
         .filter_map(|(port, decays)| Some((*port, decays.as_ref()?)))
         .flat_map(|(port, decays)| drivers.iter().map(move |d| (port, decays, *d)))
+        .filter(|(port, _, driver)| acts(point, *port, *driver))
         .collect();
     let find = |(port, decays, driver): &(Port, &Decays, Driver)| {
         let own: Vec<&Late> = late.iter().filter(|l| l.lag.driver == *driver).collect();

@@ -139,11 +139,16 @@ pub(super) fn scale(driver: Driver, values: impl Iterator<Item = f64>) -> Factor
     Factor { driver, offset, reference, exponent: 1.0, range: (least, most) }
 }
 
-/// Whether the driver is measured: a load that is imposed, a temperature of a node that has a sensor.
+/// Whether a law at this port may follow this driver. If the speed is imposed, the torque is that of the current, and what follows it follows
+/// the current, except for friction: bearings and gears carry a torque.
+pub(super) fn acts(point: &Linearization, port: Port, driver: Driver) -> bool {
+    driver != Driver::LoadTorque || port == Port::DragTorque || point.setup.has_load()
+}
+
+/// Whether the driver is measured: a temperature of a node that has a sensor.
 pub(super) fn is_known(point: &Linearization, driver: Driver) -> bool {
     let has_sensor = || Channel::reading(driver).is_none_or(|c| point.is_read(c));
     match driver {
-        Driver::LoadTorque => point.setup.has_load(),
         Driver::WindingTemperature | Driver::HousingTemperature => has_sensor(),
         _ => true,
     }

@@ -9,7 +9,7 @@
 //! *Sources*: Kennedy, O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464; Alvarez, Luengo, Lawrence, IEEE Trans. Pattern Analysis 35 (2013)
 //! 2693-2705 (latent forces); Harbrecht, Peters, Schneider, Applied Numerical Mathematics 62 (2012) 428-440 (pivots).
 
-use super::laws::{alike, is_known, knots};
+use super::laws::{acts, alike, is_known, knots};
 use crate::hypothesis::hat;
 use crate::levels::NEGLIGIBLE;
 use crate::linearization::Linearization;
@@ -26,7 +26,7 @@ pub fn structure(point: &Linearization) -> DMatrix<f64> {
     let places: Vec<(Port, Driver)> = Port::ALL
         .iter()
         .flat_map(|port| Driver::ALL.iter().map(move |driver| (*port, *driver)))
-        .filter(|(_, driver)| !driver.is_heat() && is_known(point, *driver))
+        .filter(|(port, driver)| !driver.is_heat() && is_known(point, *driver) && acts(point, *port, *driver))
         .collect();
     let laws = parallel::flat_map(&places, |(port, driver)| law(point, *port, *driver));
     compressed(&laws, point.evidence.values())

@@ -23,8 +23,12 @@ impl Setup<'_> {
     pub fn means(&self, run: usize, values: &[f64], out: &mut Vec<f64>) {
         let m = self.outputs();
         out.extend(self.blocks[run].iter().map(|block| {
-            let sum: f64 = block.rows.iter().map(|row| values[*row as usize * m + block.output]).sum();
-            sum / (self.sigma(block.output) * (block.rows.len() as f64).sqrt())
+            let (mut sum, mut precision) = (0.0, 0.0);
+            for row in block.rows.iter().map(|row| *row as usize) {
+                let weight = self.weight(run, row, block.output).powi(2);
+                (sum, precision) = (sum + weight * values[row * m + block.output], precision + weight);
+            }
+            sum / (self.sigma(block.output) * precision.sqrt())
         }));
     }
 
