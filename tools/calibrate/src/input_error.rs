@@ -90,8 +90,10 @@ pub fn explains(
         }
         let is_exact = wrong.left < SMALL;
         let least = if is_exact { as_laws } else { all_found };
-        // With the right correction, the channels agree but for structure error.
-        let agrees = wrong.left < 1.0 && (is_exact || wrong.rest < FACTOR * STRUCTURE);
+        // With the right correction, the channels agree but for structure error. Where no law is looked for, an effect of no list may leave the
+        // rest.
+        let agrees =
+            wrong.left < 1.0 && (is_exact || point.setup.takes_laws() && wrong.rest < FACTOR * STRUCTURE);
         // A function of many numbers may stand in for something else, of which it leaves a part.
         let is_whole = wrong.form.count() == 1 || wrong.left < PART || wrong.sure > FACTOR * least;
         // A small correction that leaves nearly nothing of a residual far above the noise is no structure error either.

@@ -370,4 +370,41 @@ mod tests {
         assert!((after.1 - before.1).abs() < 0.1 * offset, "{before:?} {after:?}");
         assert_eq!(loaded_before, loaded);
     }
+
+    /// At rest a torque follows the noise of the speed by the slope of its friction, and not while the shaft turns: with their weights, the
+    /// residuals of both halves have the size of their noise.
+    #[test]
+    fn rows_that_take_over_the_noise_of_an_input_have_small_weights() {
+        let outputs = ["shaft_torque_Nm", "housing_temperature_degC"];
+        let mut experiment = testing::driven_by(
+            ("current_A", 1.0, 7.0),
+            &outputs,
+            "\"effect.coulomb_friction.tau_c\" = 0.1",
+            true,
+        );
+        let (own, of_speed) = (1e-4, 0.05);
+        experiment.noise.extend([("shaft_torque_Nm", own), ("speed_rad_per_s", of_speed)]);
+        let half = experiment.runs[0].table.time.len() / 2;
+        experiment.runs[0].table.columns[1][..half].fill(0.0);
+        let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
+        testing::read(&mut experiment, &preset, None);
+        let (mut rng, torque) = (rng(4), experiment.place_of(0));
+        let columns = &mut experiment.runs[0].table.columns;
+        columns[1].iter_mut().for_each(|w| *w += of_speed * normal(&mut rng));
+        columns[torque].iter_mut().for_each(|m| *m += own * normal(&mut rng));
+        let mut setup = Setup::new(&experiment, &[]).unwrap();
+        let hypothesis = setup.preset();
+        setup.include_input_noise(&hypothesis, &[0]).unwrap();
+        let mut squares = [0.0; 2];
+        let (shown, setup) = (setup.exact().show(&hypothesis, &[0]).unwrap(), setup.exact());
+        setup.each(0, &shown[0], |row, output, off| {
+            if output == 0 {
+                let relative = off * setup.weight(0, row, output) / setup.sigma(output);
+                squares[usize::from(row >= half)] += relative * relative / half as f64;
+            }
+        });
+        assert!(setup.weight(0, 9, 0) < 0.8 && setup.weight(0, half + 9, 0) > 1.2);
+        assert!(squares.iter().all(|square| (0.6..1.5).contains(square)), "{squares:?}");
+        assert!((setup.weight(0, 9, 1) - 1.0).abs() < NEGLIGIBLE);
+    }
 }

@@ -318,12 +318,9 @@ fn named(listed: &Listed, name: String, addition: Addition, gain: &Gain, cost: f
 
 /// Step change: its time is tried on a grid over all runs, then at every row near the best.
 fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain)> {
-    let clock = |r: usize, row: usize| point.setup.drives[point.runs[r]].time[row];
     let best = |times: Vec<f64>| -> Vec<(f64, Gain)> {
         let part = |times: &[f64]| -> Vec<(f64, Gain)> {
-            let after = |at: f64, r: usize, row: usize| if clock(r, row) >= at { -1.0 } else { 0.0 };
-            let columns =
-                point.port_columns(addition.port, times.len(), |k, r, row, _| after(times[k], r, row));
+            let columns = point.step_columns(addition.port, times);
             let gains = columns.map_or_else(Vec::new, |columns| point.evidence.gains(&columns, 1));
             let known = times.iter().zip(gains).filter_map(|(at, gain)| Some((*at, gain?)));
             known.filter(|(_, gain)| within(gain.size[0], addition.numbers[0].limits)).collect()

@@ -45,6 +45,11 @@ const START_VALUES: &str = "initial.";
 /// Group of the effects.
 const EFFECTS: &str = "effect.";
 
+/// Whether the preset has a value other than 0 for it.
+pub fn is_stated(parameter: &Declared) -> bool {
+    parameter.prior != 0.0
+}
+
 /// An experiment with a further fitted parameter.
 pub struct Released<'a> {
     /// The parameter.
@@ -58,6 +63,10 @@ pub struct Released<'a> {
 }
 
 impl Released<'_> {
+    fn is_stated(&self) -> bool {
+        self.setup.declared.iter().filter(|d| d.name == self.name).all(is_stated)
+    }
+
     fn is_inside(&self) -> bool {
         let own = self
             .setup
@@ -72,15 +81,19 @@ impl Released<'_> {
 /// The parameter without prior whose other value explains the residual of `point`, the fit, best; to be fitted, it must explain more than
 /// `least` to first order. A wrong value can lead the fit far astray, so that (1) fails there; each parameter is therefore also fitted from
 /// the preset, by (1) at the preset.
-pub fn best<'a>(point: &Linearization<'a>, least: f64) -> Option<Released<'a>> {
-    let near = likely(point, least);
+pub fn best<'a>(
+    point: &Linearization<'a>,
+    least: f64,
+    may_be: fn(&Declared) -> bool,
+) -> Option<Released<'a>> {
+    let near = likely(point, least, may_be);
     if near.is_empty() {
         return None;
     }
     let setup = point.setup;
     let preset = setup.judged(setup.preset(), &point.runs);
     let preset = preset.and_then(|fitted| Linearization::judged(setup, fitted, &point.runs)).ok();
-    let far = preset.as_ref().map_or_else(Vec::new, |preset| likely(preset, LEAST));
+    let far = preset.as_ref().map_or_else(Vec::new, |preset| likely(preset, LEAST, may_be));
     let starts = near.into_iter().map(|own| (point, own));
     let starts = starts.chain(far.into_iter().filter_map(|own| Some((preset.as_ref()?, own))));
     // One after the other, each against the best so far: where parameters nearly replace each other, a fit takes many steps to a cost that is
@@ -95,8 +108,10 @@ pub fn best<'a>(point: &Linearization<'a>, least: f64) -> Option<Released<'a>> {
 }
 
 /// The parameters without prior that explain most of the residual of a model, with the evidence and the value by (1).
-fn likely(point: &Linearization, least: f64) -> Vec<(f64, Declared, f64)> {
-    let mut all = parallel::flat_map(&candidates(point.setup), |own| {
+fn likely(point: &Linearization, least: f64, may_be: fn(&Declared) -> bool) -> Vec<(f64, Declared, f64)> {
+    let mut own = candidates(point.setup);
+    own.retain(may_be);
+    let mut all = parallel::flat_map(&own, |own| {
         let (sure, value) = explained(point, own)?;
         (sure > least).then(|| (sure, own.clone(), value))
     });
@@ -117,11 +132,13 @@ pub fn better_than_effects<'a>(
 ) -> Result<Option<Released<'a>>, CalibrateError> {
     let setup = point.setup;
     let first = scored.first().map_or(LEAST, |best| LEAST.max(NEARLY * best.sure()));
-    let Some(own) = best(point, first) else { return Ok(None) };
+    let Some(own) = best(point, first, |_| true) else { return Ok(None) };
     let rivals: Vec<Scored> =
         scored.iter().filter(|s| s.listed && s.sure() > NEARLY * own.fall).cloned().collect();
     let round = compete(point, &point.fitted.hypothesis, &rivals, known);
-    let rival = round.winner().map_or(LEAST, |winner| LEAST.max(winner.sure() - LEAST));
+    // What the model has, but for its size, is no other value: an effect that explains as much has a name.
+    let ahead = if own.is_stated() { -LEAST } else { LEAST };
+    let rival = round.winner().map_or(LEAST, |winner| LEAST.max(winner.sure() + ahead));
     if own.fall <= rival {
         return Ok(None);
     }
@@ -225,4 +242,36 @@ fn fitted<'a>(
     let (white, raw) = Linearization::judged(&setup, fitted.clone(), &point.runs)?.explains(point);
     let fall = white.min(raw) - point.per_number();
     Ok(Released { name, setup, fitted, fall })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+
+    /// Evidence and value by (1) of a parameter of the preset's motor, read with another value of magnets without temperature coefficient.
+    #[test]
+    fn a_coefficient_that_nobody_stated_is_found_on_its_side_of_zero() {
+        let mut experiment = testing::experiment(testing::PRIORS, true);
+        let set = |setup: &Setup, value: f64| {
+            let entry = setup.bench.declaration().by_name("motor.alpha_mag").unwrap();
+            (entry.slot, value)
+        };
+        testing::read_of(&mut experiment, |setup| {
+            let mut change = setup.change(&setup.preset(), 0);
+            change.values.push(set(setup, -0.002));
+            change
+        });
+        let reference = {
+            let setup = Setup::new(&experiment, &[]).unwrap();
+            setup.bench.declaration().by_name("motor.alpha_mag").unwrap().row.value_reference
+        };
+        let setup = Setup::new(&experiment, &[(reference, 0.0)]).unwrap();
+        let point = Linearization::judged(&setup, setup.refit(&[0]).unwrap(), &[0]).unwrap();
+        let found = best(&point, LEAST, |_| true).unwrap();
+        assert_eq!(found.name, "motor.alpha_mag");
+        let value = found.setup.declared.iter().zip(&found.fitted.hypothesis.declared);
+        let value = value.filter(|(d, _)| d.name == found.name).map(|(_, value)| *value).next().unwrap();
+        assert!((value + 0.002).abs() < 2e-4, "{value}");
+    }
 }

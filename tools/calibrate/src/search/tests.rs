@@ -375,3 +375,26 @@ fn a_voltage_that_does_not_reverse_is_in_series() {
         assert_eq!((scored[0].port, scored[0].port.quantity()), (port, "terminal_voltage"));
     }
 }
+
+/// Bearings and gears carry a torque: their friction may follow it where the speed is imposed, too. There, all else follows the current.
+#[test]
+fn friction_may_follow_the_load_at_an_imposed_speed() {
+    let lag = Lag { driver: Driver::LoadTorque, tau: 120.0, difference: false };
+    let factor = Factor {
+        driver: Driver::LoadTorque,
+        offset: 0.0,
+        reference: 0.1,
+        exponent: 1.0,
+        range: Factor::UNLIMITED,
+    };
+    let law = Law::Product(Product { coefficient: 0.005, factors: [Some(factor), None, None] });
+    let mut experiment =
+        testing::with_term(GenericTerm { lag: Some(lag), ..GenericTerm::new(Port::DragTorque, law) });
+    experiment.noise.values_mut().for_each(|noise| *noise = NOISE);
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let point = Linearization::new(&setup, setup.judged(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+    let found = search(&point);
+    let load = |s: &&Scored| s.follows.drivers().eq([Driver::LoadTorque]);
+    assert!(found.iter().filter(load).all(|s| s.port == Port::DragTorque));
+    assert!(found.iter().filter(load).any(|s| s.addition.as_ref().is_some_and(|a| a.lag().is_some())));
+}

@@ -270,7 +270,9 @@ pub(super) fn released(
     let Some(best) = &as_is.best else { return Ok(None) };
     let Prepared { setup, fitted: runs, .. } = Prepared::new(judge, experiment)?;
     let point = Linearization::judged(&setup, best.clone(), &runs).ok();
-    let Some(own) = point.and_then(|point| undeclared::best(&point, LEAST)) else { return Ok(None) };
+    let Some(own) = point.and_then(|point| undeclared::best(&point, LEAST, undeclared::is_stated)) else {
+        return Ok(None);
+    };
     let Some(cost) = Cost::new(&own.setup, own.fitted, &runs).ok().filter(|cost| !cost.is_cut) else {
         return Ok(None);
     };
