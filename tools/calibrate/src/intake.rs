@@ -25,6 +25,7 @@ mod filtered;
 mod first_rows;
 mod gaps;
 mod misplaced;
+mod modes;
 mod odd_file;
 mod pulses;
 mod repeats;
@@ -121,6 +122,7 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)], deadline: &Deadli
     first_rows::set_aside(experiment, preset)?;
     misplaced::set_aside(experiment, preset, deadline);
     bursts::set_aside(experiment, preset, deadline);
+    modes::correct(experiment, preset, deadline)?;
     let stated = (experiment.priors.clone(), experiment.released.clone());
     // What the wrong readings asked for is not wanted without them.
     let again = |experiment: &mut Experiment| {

@@ -469,7 +469,9 @@ impl Judge<'_> {
                 let part = from..from + length;
                 let model = &self.own.model[part.clone()];
                 let moved = spread(model);
-                if moved <= (PART * self.moves).max(CLEAR * self.sigma) || moved <= f64::EPSILON {
+                // The prediction has the noise of the inputs.
+                let noise = noise::of_column(&self.time[part.clone()], model).unwrap_or(0.0).max(self.sigma);
+                if moved <= (PART * self.moves).max(CLEAR * noise) || moved <= f64::EPSILON {
                     continue;
                 }
                 let slope = slope(&self.own.read[part.clone()], model);
