@@ -19,7 +19,7 @@ use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Slopes;
 use crate::hypothesis::Hypothesis;
-use crate::levels::{CERTAIN, NEARLY, NEGLIGIBLE, SMALL};
+use crate::levels::{CERTAIN, FACTOR, NEARLY, NEGLIGIBLE};
 use crate::noise::{self, is_new_in_every_row, is_stated, least, of_columns};
 use crate::setup::Setup;
 use crate::smoothing::smoothed;
@@ -64,7 +64,7 @@ impl Setup<'_> {
         self.correct_inputs(hypothesis, &known)
     }
 
-    /// Weighs the readings of these runs and of the validation runs by the noise that inputs cause in their rows, if rows differ in it.
+    /// Weighs the readings of these runs and of the validation runs by the noise that inputs cause in their rows, where rows differ in it.
     /// `means` are the means of their variances.
     fn weigh(
         &mut self,
@@ -73,28 +73,38 @@ impl Setup<'_> {
         hypothesis: &Hypothesis,
         runs: &[usize],
     ) -> Result<(), CalibrateError> {
+        let m = self.outputs();
         let own = self.direct_variances(slopes);
-        let of_run = |setup: &Setup, variances: &[f64]| -> Vec<f64> {
-            let m = setup.outputs();
+        self.weights = Arc::default();
+        let noise = |output: usize, variance: f64| self.sigma(output).hypot(variance.sqrt());
+        // Least and greatest noise of a row. Readings that differ by less have about the same weight, and rows by which structure errors show
+        // keep theirs.
+        let ends = |output: usize| {
+            let all = own.iter().flat_map(|run| run.iter().skip(output).step_by(m));
+            let all = all.map(|variance| noise(output, *variance));
+            all.fold((f64::INFINITY, 0.0f64), |(a, b), x| (a.min(x), b.max(x)))
+        };
+        let ends: Vec<(f64, f64)> = (0..m).map(ends).collect();
+        let differs: Vec<bool> = ends.iter().map(|(least, most)| *most > FACTOR * least).collect();
+        if !differs.contains(&true) {
+            return Ok(());
+        }
+        let of_run = |variances: &Vec<f64>| -> Vec<f64> {
             let of = |(k, variance): (usize, &f64)| {
-                let known = setup.sigma(k % m).powi(2);
-                ((known + means[k % m]) / (known + variance)).sqrt()
+                let output = k % m;
+                if differs[output] { noise(output, means[output]) / noise(output, *variance) } else { 1.0 }
             };
             variances.iter().enumerate().map(of).collect()
         };
         let mut weights = vec![Vec::new(); self.experiment.runs.len()];
         for (run, variances) in runs.iter().zip(&own) {
-            weights[*run] = of_run(self, variances);
-        }
-        self.weights = Arc::default();
-        if weights.iter().flatten().all(|weight| (weight - 1.0).abs() < SMALL) {
-            return Ok(());
+            weights[*run] = of_run(variances);
         }
         let others: Vec<usize> =
             self.runs(Role::Validate).into_iter().filter(|run| !runs.contains(run)).collect();
         let further = self.direct_variances(&self.input_sensitivities(hypothesis, &others)?);
         for (run, variances) in others.iter().zip(&further) {
-            weights[*run] = of_run(self, variances);
+            weights[*run] = of_run(variances);
         }
         self.weights = Arc::new(weights);
         Ok(())
@@ -382,7 +392,7 @@ mod tests {
             "\"effect.coulomb_friction.tau_c\" = 0.1",
             true,
         );
-        let (own, of_speed) = (1e-4, 0.05);
+        let (own, of_speed) = (1e-4, 0.2);
         experiment.noise.extend([("shaft_torque_Nm", own), ("speed_rad_per_s", of_speed)]);
         let half = experiment.runs[0].table.time.len() / 2;
         experiment.runs[0].table.columns[1][..half].fill(0.0);

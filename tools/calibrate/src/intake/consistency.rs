@@ -340,6 +340,13 @@ fn mistaken(
         }
         everywhere = Some((cost.whole(), found));
     }
+    // One value of the experiment is the simpler cause of a contradiction in all files.
+    if everywhere.is_none()
+        && bad.len() == all.len()
+        && let Some(unusable) = wrong_value(whole, experiment, as_is)?
+    {
+        return Ok(Some(unusable));
+    }
     // One of several loggers may be wrong: each file is checked separately.
     let files = files(experiment);
     for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {

@@ -72,7 +72,8 @@ fn density(candidate: &Candidate) -> f64 {
 
 /// Of two unlisted laws that explain the data equally well, the more probable comes first: an effect in the motor is more probable than a
 /// sensor error that depends on the motor, the fan cools the housing and does not heat the winding, an effect at a node depends on the
-/// temperature of that node, and a driver that is measured is preferred to a heat flow that the model computes from it.
+/// temperature of that node, friction follows the load that a bearing or a gear carries rather than the current, and a driver that is measured is
+/// preferred to a heat flow that the model computes from it.
 pub fn order_by_likelihood(candidates: &[Candidate], order: &mut [usize]) {
     let unnamed = |k: &usize| !candidates[*k].addition().is_listed();
     for strange in ODDITIES {
@@ -85,7 +86,7 @@ pub fn order_by_likelihood(candidates: &[Candidate], order: &mut [usize]) {
             let other = &candidates[*k];
             unnamed(k)
                 && !strange(other.addition())
-                && may_replace(other.addition().port, best.addition())
+                && may_replace(other.addition(), best.addition())
                 && best.sure() - other.sure() < ALIKE
         };
         if let Some(other) = order.iter().position(as_well) {
@@ -95,14 +96,22 @@ pub fn order_by_likelihood(candidates: &[Candidate], order: &mut [usize]) {
 }
 
 /// Whether a law at a port may be the usual form of an odd one.
-fn may_replace(port: Port, odd: &Addition) -> bool {
+fn may_replace(other: &Addition, odd: &Addition) -> bool {
+    let port = other.port;
     let is_in_the_air = matches!(port, Port::HousingAmbientConductance | Port::FanFlow);
+    if is_friction_by_current(odd) {
+        return port == odd.port && other.follows.drivers().any(|driver| driver == Driver::LoadTorque);
+    }
     port == odd.port || is_sensor(odd.port) || (acts_past_the_air(odd) && is_in_the_air)
 }
 
 /// Reasons for which a law is less probable before any data.
-const ODDITIES: [fn(&Addition) -> bool; 4] =
-    [is_at_a_sensor, acts_past_the_air, follows_another_node, follows_a_heat];
+const ODDITIES: [fn(&Addition) -> bool; 5] =
+    [is_at_a_sensor, acts_past_the_air, follows_another_node, is_friction_by_current, follows_a_heat];
+
+fn is_friction_by_current(addition: &Addition) -> bool {
+    addition.port == Port::DragTorque && addition.follows.drivers().any(|driver| driver == Driver::Current)
+}
 
 fn acts_past_the_air(addition: &Addition) -> bool {
     bypasses_the_air(addition.port, addition.follows)

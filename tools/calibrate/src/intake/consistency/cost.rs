@@ -253,7 +253,7 @@ pub(super) fn with_free(
     if own == 0.0 {
         return Ok(None);
     }
-    let Ok(fitted) = ready.setup.fit(ready.setup.preset(), &ready.fitted) else { return Ok(None) };
+    let Ok(fitted) = ready.setup.settled(ready.setup.preset(), &ready.fitted) else { return Ok(None) };
     let value = fitted.hypothesis.declared[0];
     // The deadline may pass in its last simulation.
     Ok(ready.cost(fitted).ok().map(|cost| (cost, value, own)))

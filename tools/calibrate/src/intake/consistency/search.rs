@@ -6,6 +6,7 @@ use super::sides::of_transmissions;
 use super::{Judge, Predicted, blanked, score, supply, unmeasured, worst};
 use crate::CalibrateError;
 use crate::catalogue::shapes_an_effect;
+use crate::comparison::digits;
 use crate::experiment::Experiment;
 use crate::intake::signals::POSSIBLE;
 use crate::intake::{Unusable, declaration};
@@ -118,30 +119,49 @@ fn other_values(
     Ok(found)
 }
 
-/// The value of `[set]` or `[prior]` of another order than the specimen's, if the data agree with the model with that of the specimen.
+/// The value of `[set]` or `[prior]` of another order than the specimen's, if the data agree with the model with that of the specimen. A value
+/// that has no prior is meant to be exact: one that differs by more than structure error causes contradicts the data as well.
 pub(super) fn wrong_value(
     judge: &Judge,
     experiment: &Experiment,
     as_is: &Cost,
 ) -> Result<Option<Unusable>, CalibrateError> {
-    let agree = freed(judge, experiment, ANY_ORDER)?.into_iter().filter(|(name, cost, value, own)| {
-        // A wide prior permits values of another order.
-        let prior = experiment.priors.iter().find(|p| p.name == *name);
-        let deviation = prior.map_or(0.0, |p| p.deviation.of(*own, *own));
-        let share = value / own;
-        let is_unit = share * ANY_ORDER > 1.0 && share < ANY_ORDER && !is_of_its_order(*value, *own);
-        let is_far = (value - own).abs() > CERTAIN * deviation;
-        is_unit && is_far && !cost.is_cut && cost.follows_all() && as_is.is_worse_than(cost, FACTOR, None)
-    });
-    let best = agree.min_by(|a, b| a.1.whole().total_cmp(&b.1.whole()));
-    Ok(best.map(|(name, _, value, own)| {
+    let (values, others): (Vec<Freed>, Vec<Freed>) = freed(judge, experiment, ANY_ORDER)?
+        .into_iter()
+        .filter(|(_, cost, ..)| !cost.is_cut && cost.follows_all() && as_is.is_worse_than(cost, FACTOR, None))
+        .partition(|(name, _, value, own)| {
+            // A wide prior permits values of another order.
+            let prior = experiment.priors.iter().find(|p| p.name == *name);
+            let deviation = prior.map_or(0.0, |p| p.deviation.of(*own, *own));
+            let share = value / own;
+            let is_near = match prior {
+                Some(_) => is_of_its_order(*value, *own),
+                None => (1.0 - PART..=1.0 / (1.0 - PART)).contains(&share),
+            };
+            let is_far = (value - own).abs() > CERTAIN * deviation;
+            share * ANY_ORDER > 1.0 && share < ANY_ORDER && !is_near && is_far
+        });
+    let best = values.into_iter().min_by(|a, b| a.1.whole().total_cmp(&b.1.whole()));
+    Ok(best.map(|(name, cost, value, own)| {
+        let as_well = others.iter().filter(|(_, other, ..)| other.whole() < cost.whole() + LEAST);
+        let as_well: Vec<String> =
+            as_well.map(|(name, _, value, _)| format!("{name} = {}", digits(*value))).collect();
+        let or =
+            if as_well.is_empty() { String::new() } else { format!(", and for {}", as_well.join(" or ")) };
         Unusable::new(
             &name,
-            format!("{name} = {own:.4} contradicts the data, which agree with the model for {value:.4}"),
+            format!(
+                "{name} = {} contradicts the data, which agree with the model for {}{or}",
+                digits(own),
+                digits(value)
+            ),
             format!("check the value and the unit of {name} in [set], [prior] and the preset"),
         )
     }))
 }
+
+/// A parameter, the cost if it is free, its value then and the present one.
+type Freed = (String, Cost, f64, f64);
 
 fn is_of_its_order(value: f64, own: f64) -> bool {
     (1.0 / FACTOR..=FACTOR).contains(&(value / own))
@@ -149,11 +169,7 @@ fn is_of_its_order(value: f64, own: f64) -> bool {
 
 /// The parameters of `[set]` and `[prior]` without the shapes of effects, each with the cost if it has this standard deviation relative to its
 /// value, the value then, and the present one.
-fn freed(
-    judge: &Judge,
-    experiment: &Experiment,
-    deviation: f64,
-) -> Result<Vec<(String, Cost, f64, f64)>, CalibrateError> {
+fn freed(judge: &Judge, experiment: &Experiment, deviation: f64) -> Result<Vec<Freed>, CalibrateError> {
     let set = experiment.set.iter().map(|(name, _)| name);
     // A value in [set] may have a prior as well.
     let of_prior = experiment.priors.iter().map(|p| &p.name);
