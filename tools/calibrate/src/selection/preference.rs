@@ -5,6 +5,7 @@ use crate::hypothesis::Addition;
 use crate::outcome::Follows;
 use crate::search::{bypasses_the_air, temperatures};
 use physics::terms::{Driver, Port};
+use std::mem::discriminant;
 
 /// Of candidates that explain as much as a law, that which predicts the validation runs best comes first, if it predicts them better
 /// beyond doubt: their density does not depend on how many shapes could be fitted to the other runs. A listed effect has one shape.
@@ -100,7 +101,11 @@ fn may_replace(other: &Addition, odd: &Addition) -> bool {
     let port = other.port;
     let is_in_the_air = matches!(port, Port::HousingAmbientConductance | Port::FanFlow);
     if is_friction_by_current(odd) {
-        return port == odd.port && other.follows.drivers().any(|driver| driver == Driver::LoadTorque);
+        // The same law, over the load.
+        let is_alike = discriminant(&other.follows) == discriminant(&odd.follows);
+        return port == odd.port
+            && is_alike
+            && other.follows.drivers().any(|driver| driver == Driver::LoadTorque);
     }
     port == odd.port || is_sensor(odd.port) || (acts_past_the_air(odd) && is_in_the_air)
 }
@@ -218,6 +223,27 @@ mod tests {
         assert!(!states_less(&heat(Follows::Late(Driver::Current), 160.0), &named));
         assert!(!states_less(&of(law(Port::DragTorque, Follows::Driver(Driver::Current)), 250.0), &named));
         assert!(!states_less(&named, &over(Driver::Current, 160.0)));
+    }
+
+    /// Of friction over the current or the load that explains about the same, that over the load comes first; a law of two drivers says more.
+    #[test]
+    fn friction_follows_the_load() {
+        let experiment = testing::experiment(testing::PRIORS, true);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let drag = |follows, sure| candidate(&setup, law(Port::DragTorque, follows), sure);
+        let load = Follows::Driver(Driver::LoadTorque);
+        let both = Follows::Both(Driver::LoadTorque, Driver::Speed);
+        for (other, sure, is_first) in [
+            (load, 190.0, true),
+            (load, 200.0 - ALIKE, false),
+            (both, 199.0, false),
+            (Follows::Late(Driver::LoadTorque), 199.0, false),
+        ] {
+            let all = [drag(Follows::Driver(Driver::Current), 200.0), drag(other, sure)];
+            let mut order = vec![0, 1];
+            order_by_likelihood(&all, &mut order);
+            assert_eq!(order[0] == 1, is_first, "{other:?} {sure}");
+        }
     }
 
     /// A law that is refused says nothing of the next one.
