@@ -257,6 +257,11 @@ impl Setup<'_> {
         self.variances(slopes, |_| true)
     }
 
+    /// The inputs, as directions of a linearization.
+    pub fn input_probes(&self) -> impl Iterator<Item = Probe> + '_ {
+        (0..self.experiment.inputs.len()).map(|k| Probe::Input(k, self.noise[k]))
+    }
+
     /// A hypothesis linearised along runs, with the sensitivity to each input.
     ///
     /// # Errors
@@ -266,7 +271,7 @@ impl Setup<'_> {
         hypothesis: &Hypothesis,
         runs: &[usize],
     ) -> Result<Slopes, CalibrateError> {
-        let probes: Vec<Probe> = (0..self.experiment.inputs.len()).map(Probe::Input).collect();
+        let probes: Vec<Probe> = self.input_probes().collect();
         Slopes::new(self, hypothesis, runs, &probes)
     }
 

@@ -144,7 +144,7 @@ impl<'a> Linearization<'a> {
             .collect();
         let mut further: Vec<Probe> = ports.iter().map(|port| Probe::Port(*port)).collect();
         let inputs = setup.experiment.inputs.len();
-        further.extend((0..inputs).map(Probe::Input));
+        further.extend(setup.input_probes());
         for (_, addition) in &listed {
             let Shape::Listed { slots, with, .. } = &addition.shape else { continue };
             let way = WAY * addition.numbers[0].scale;

@@ -50,8 +50,10 @@ pub enum Probe {
     },
     /// A port, perturbed by a constant term.
     Port(Port),
-    /// An input, by its index in the experiment. At the first row it also perturbs initial temperatures that depend on it.
-    Input(usize),
+    /// An input, by its index in the experiment, and the standard deviation of its noise: the least perturbation, because near a bend (of a
+    /// bridge at a duty of 0) a model follows noise by less or more than by its slope. At the first row it also perturbs initial temperatures
+    /// that depend on it. Source: statistical linearization, Gelb (ed.), Applied Optimal Estimation (1974), sec. 6.2.
+    Input(usize, f64),
 }
 
 /// Effect of a unit perturbation at every row.
@@ -429,10 +431,10 @@ impl Moved {
                 let law = Law::Product(Product { coefficient: way, factors: [None; 3] });
                 aside.terms.push(GenericTerm::new(*port, law));
             }
-            Probe::Input(k) => way = AT_PORT.1 * drive.scale(*k),
+            Probe::Input(k, noise) => way = (AT_PORT.1 * drive.scale(*k)).max(*noise),
         }
         let model = match probe {
-            Probe::Input(k) => {
+            Probe::Input(k, _) => {
                 bench.begin_at(&drive.with_input(*k, |_, x| x + way), &aside, unknowns).ok()?.model
             }
             _ => bench.begin_at(drive, &aside, unknowns).ok()?.model,
@@ -452,7 +454,7 @@ impl Moved {
     fn look(&mut self, bench: &Bench, drive: &Drive, row: usize, states: &[f64], here: &Instant) {
         let model = self.model.as_mut();
         drive.hold(model, bench.inputs(), row);
-        if let Probe::Input(k) = self.probe {
+        if let Probe::Input(k, _) = self.probe {
             model.set(bench.inputs()[k], drive.input(k, row) + self.way);
         }
         model.set_states(drive.time[row], states);

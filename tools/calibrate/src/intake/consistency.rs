@@ -59,7 +59,7 @@ use crate::one_gain;
 use crate::selection::LEAST;
 use cost::{Cost, fitted};
 pub use mistakes::Mistake;
-use search::{Found, search, wrong_value};
+use search::{Found, is_exact, search, wrong_value};
 pub use supply::is_bus;
 use time::wrong_time;
 
@@ -232,15 +232,24 @@ pub fn contradiction(
         }
     }
     let mut as_is = fitted(&whole, &thin)?;
+    // What the experiment states is tried before values of the preset.
+    let mut value = None;
     while !as_is.is_cut
         && !as_is.bad_runs().is_empty()
         && let Some((other, better)) = cost::released(&whole, &thin, &as_is)?
         && as_is.evidence(&better) > LEAST
     {
+        if as_is.bad_runs().len() == all.len() {
+            value = wrong_value(&whole, &thin, &as_is, is_exact)?;
+        }
+        if value.is_some() {
+            break;
+        }
         (as_is, thin) = (better, other);
     }
     let bad = as_is.bad_runs();
-    let unusable = if bad.is_empty() || as_is.is_cut { None } else { mistaken(&whole, &thin, &as_is)? };
+    let unusable =
+        if bad.is_empty() || as_is.is_cut { None } else { mistaken(&whole, &thin, &as_is, value)? };
     if let Some(unusable) = unusable {
         return Ok(Err(unusable));
     }
@@ -262,7 +271,11 @@ pub fn contradicting_value(
     let (all, thin) = (super::all_runs(experiment), thinned(experiment, ROWS));
     let judge = Judge::of(preset, &all, deadline);
     let as_is = fitted(&judge, &thin)?;
-    if as_is.is_cut || as_is.bad_runs().is_empty() { Ok(None) } else { wrong_value(&judge, &thin, &as_is) }
+    if as_is.is_cut || as_is.bad_runs().is_empty() {
+        Ok(None)
+    } else {
+        wrong_value(&judge, &thin, &as_is, |_, _| true)
+    }
 }
 
 /// The fit of the data without the readings of an output in some runs, and its cost, if these agree with the model.
@@ -321,11 +334,13 @@ fn references(
     (0..experiment.outputs.len()).map(of).collect()
 }
 
-/// The mistake in the columns of all runs, or in those of one file; `as_is` is the fit of all runs.
+/// The mistake in the columns of all runs, or a wrong `value` of the experiment, or the mistake in the columns of one file; `as_is` is the fit
+/// of all runs.
 fn mistaken(
     whole: &Judge,
     experiment: &Experiment,
     as_is: &Cost,
+    value: Option<Unusable>,
 ) -> Result<Option<Unusable>, CalibrateError> {
     let (all, bad) = (whole.runs, as_is.bad_runs());
     let predicted = whole.predicted(experiment);
@@ -341,11 +356,11 @@ fn mistaken(
         everywhere = Some((cost.whole(), found));
     }
     // One value of the experiment is the simpler cause of a contradiction in all files.
-    if everywhere.is_none()
-        && bad.len() == all.len()
-        && let Some(unusable) = wrong_value(whole, experiment, as_is)?
-    {
-        return Ok(Some(unusable));
+    if everywhere.is_none() && bad.len() == all.len() {
+        let value = if value.is_some() { value } else { wrong_value(whole, experiment, as_is, is_exact)? };
+        if value.is_some() {
+            return Ok(value);
+        }
     }
     // One of several loggers may be wrong: each file is checked separately.
     let files = files(experiment);

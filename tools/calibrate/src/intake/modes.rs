@@ -54,8 +54,11 @@ pub fn correct(
             others.push((other, name, item));
         }
     }
+    if others.is_empty() {
+        return Ok(());
+    }
     let fitted = |setup: &Setup| setup.fit(setup.preset(), &runs).ok().as_ref().map(excess);
-    let Some(own) = fitted(&as_is).filter(|own| *own > FACTOR && !others.is_empty()) else { return Ok(()) };
+    let Some(own) = fitted(&as_is).filter(|own| *own > FACTOR) else { return Ok(()) };
     let found = parallel::map(&others, |(other, ..)| {
         Ok::<_, CalibrateError>(fitted(&setup(other, preset, deadline)?))
     });

@@ -230,7 +230,7 @@ fn what_the_deadline_cuts_off_leads_to_no_conclusion() {
     let (good, mut wrong) = (experiment(1), experiment(1));
     column(&mut wrong, TORQUE).iter_mut().for_each(|x| *x = -*x);
     let (mut cut, mut found) = (0, 0);
-    for times in (0..18).map(|k| 1.7f64.powi(k) as usize) {
+    for times in (0..20).map(|k| 1.7f64.powi(k) as usize) {
         let mut data = good.clone();
         let outcome = check(&mut data, &[], &Deadline::asked(times));
         assert!(

@@ -49,7 +49,7 @@ fn check_answers(start: &str, temperatures: &str) {
     let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
     let slot = bench.declaration().by_name("motor.R_ref").unwrap().slot;
     let resistance = Probe::Parameter { slot, with: Vec::new(), way: 1e-4 };
-    let probes = [Probe::Port(Port::DragTorque), resistance, Probe::Input(3)];
+    let probes = [Probe::Port(Port::DragTorque), resistance, Probe::Input(3, 0.0)];
     let tangent = Tangent::new(&bench, &drive, &Override::default(), &probes).unwrap();
     let flat = |columns: Vec<Vec<f64>>| -> Vec<f64> {
         (0..drive.time.len())
@@ -95,7 +95,7 @@ fn variances_are_those_of_simulations() {
     let experiment = crate::testing::experiment("", true);
     let bench = Bench::new(&experiment, &[]).unwrap();
     let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
-    let probes = [Probe::Input(0), Probe::Input(3)];
+    let probes = [Probe::Input(0, 0.0), Probe::Input(3, 0.0)];
     let tangent = Tangent::new(&bench, &drive, &Override::default(), &probes).unwrap();
     let sigmas = [0.05, 0.1];
     let directions = tangent.directions.iter().map(|d| d.as_ref().unwrap());

@@ -6,7 +6,7 @@ use super::{Judge, Predicted, STRAINED, blanked};
 use crate::CalibrateError;
 use crate::experiment::{Deviation, Experiment, Prior, Role};
 use crate::fit::Fitted;
-use crate::levels::{DECISIVE, FACTOR, SAMPLES, SMALL};
+use crate::levels::{DECISIVE, FACTOR, PART, SAMPLES, SMALL};
 use crate::linearization::Linearization;
 use crate::selection::LEAST;
 use crate::setup::{Setup, Shown};
@@ -253,7 +253,11 @@ pub(super) fn with_free(
     if own == 0.0 {
         return Ok(None);
     }
-    let Ok(fitted) = ready.setup.settled(ready.setup.preset(), &ready.fitted) else { return Ok(None) };
+    let Ok(mut fitted) = ready.setup.fit(ready.setup.preset(), &ready.fitted) else { return Ok(None) };
+    if (fitted.hypothesis.declared[0] / own - 1.0).abs() > PART {
+        let Ok(settled) = ready.setup.settled(fitted.hypothesis, &ready.fitted) else { return Ok(None) };
+        fitted = settled;
+    }
     let value = fitted.hypothesis.declared[0];
     // The deadline may pass in its last simulation.
     Ok(ready.cost(fitted).ok().map(|cost| (cost, value, own)))

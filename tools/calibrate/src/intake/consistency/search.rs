@@ -111,7 +111,7 @@ fn other_values(
     as_meant: &Cost,
 ) -> Result<Vec<(String, f64, f64)>, CalibrateError> {
     let mut found = Vec::new();
-    for (name, cost, value, own) in freed(judge, experiment, undeclared::DEVIATION)? {
+    for (name, cost, value, own) in freed(judge, experiment, undeclared::DEVIATION, |_, _| true)? {
         if is_of_its_order(value, own) && !cost.is_worse_than(as_meant, FACTOR, None) {
             found.push((name, value, own));
         }
@@ -119,14 +119,15 @@ fn other_values(
     Ok(found)
 }
 
-/// The value of `[set]` or `[prior]` of another order than the specimen's, if the data agree with the model with that of the specimen. A value
+/// The value of `[set]` or `[prior]`, of those that are `asked` for, of another order than the specimen's, if the data agree with the model with that of the specimen. A value
 /// that has no prior is meant to be exact: one that differs by more than structure error causes contradicts the data as well.
 pub(super) fn wrong_value(
     judge: &Judge,
     experiment: &Experiment,
     as_is: &Cost,
+    asked: fn(&Experiment, &str) -> bool,
 ) -> Result<Option<Unusable>, CalibrateError> {
-    let (values, others): (Vec<Freed>, Vec<Freed>) = freed(judge, experiment, ANY_ORDER)?
+    let (values, others): (Vec<Freed>, Vec<Freed>) = freed(judge, experiment, ANY_ORDER, asked)?
         .into_iter()
         .filter(|(_, cost, ..)| !cost.is_cut && cost.follows_all() && as_is.is_worse_than(cost, FACTOR, None))
         .partition(|(name, _, value, own)| {
@@ -160,6 +161,11 @@ pub(super) fn wrong_value(
     }))
 }
 
+/// Whether a parameter has no prior: its value is meant to be exact.
+pub(super) fn is_exact(experiment: &Experiment, name: &str) -> bool {
+    !experiment.priors.iter().any(|prior| prior.name == name)
+}
+
 /// A parameter, the cost if it is free, its value then and the present one.
 type Freed = (String, Cost, f64, f64);
 
@@ -169,13 +175,19 @@ fn is_of_its_order(value: f64, own: f64) -> bool {
 
 /// The parameters of `[set]` and `[prior]` without the shapes of effects, each with the cost if it has this standard deviation relative to its
 /// value, the value then, and the present one.
-fn freed(judge: &Judge, experiment: &Experiment, deviation: f64) -> Result<Vec<Freed>, CalibrateError> {
+fn freed(
+    judge: &Judge,
+    experiment: &Experiment,
+    deviation: f64,
+    asked: fn(&Experiment, &str) -> bool,
+) -> Result<Vec<Freed>, CalibrateError> {
     let set = experiment.set.iter().map(|(name, _)| name);
     // A value in [set] may have a prior as well.
     let of_prior = experiment.priors.iter().map(|p| &p.name);
     let of_prior = of_prior.filter(|name| !experiment.set.iter().any(|(other, _)| other == *name));
     let mut all = Vec::new();
-    for name in set.chain(of_prior).filter(|name| !shapes_an_effect(name)) {
+    let all_of = set.chain(of_prior).filter(|name| !shapes_an_effect(name) && asked(experiment, name));
+    for name in all_of {
         if judge.deadline.is_near() {
             break;
         }
