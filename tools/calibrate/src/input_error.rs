@@ -98,7 +98,7 @@ pub fn explains(
         let is_whole = wrong.form.count() == 1 || wrong.left < PART || wrong.sure > FACTOR * least;
         // A small correction that leaves nearly nothing of a residual far above the noise is no structure error either.
         let is_seen = is_exact && excess(point) > 1.0 || wrong.is_seen(point.setup);
-        if wrong.sure > least && agrees && is_whole && is_seen {
+        if wrong.sure > least && agrees && is_whole && is_seen && wrong.is_plausible(point.setup) {
             all.push(wrong);
         }
     }
@@ -157,6 +157,23 @@ impl Wrong {
             return (own / rows).sqrt() > errors.filter(|x| x.is_finite()).fold(0.0, f64::max);
         }
         (own / all).sqrt() > STRUCTURE
+    }
+
+    /// Whether the readings can be wrong by so much: those of a quantity that hardly varies, a pressure of the air or a supply, are seen to be wrong
+    /// if they err by a large part of it.
+    fn is_plausible(&self, setup: &Setup) -> bool {
+        let readings = || {
+            let of = |run: &usize| setup.drives[*run].inputs()[self.input].iter().map(|x| x.abs());
+            self.runs.iter().flat_map(of)
+        };
+        let (least, most) = (readings().fold(f64::INFINITY, f64::min), readings().fold(0.0, f64::max));
+        let mut greatest: f64 = 0.0;
+        for run in &self.runs {
+            for row in 0..setup.drives[*run].time.len() {
+                greatest = greatest.max(self.correction(&setup.drives, *run, row).abs());
+            }
+        }
+        most - least > PART * most || greatest < PART * most
     }
 
     /// The setup with the corrected input.

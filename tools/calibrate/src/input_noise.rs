@@ -13,6 +13,8 @@
 //! the residual of the output, r_m its mean over neighbours that agree to within noise, so that what is slow stays in the residual. It is
 //! used where this output is 0 to within noise: a law over it that makes the model insensitive to its inputs would otherwise explain the
 //! noise.
+//!
+//! Where rows differ much in the noise that inputs cause, each reading has a weight of its own: [`Setup::weights`].
 //! *Source*: Gelb (ed.), Applied Optimal Estimation (1974), sec. 4.2 (gain K).
 
 use crate::CalibrateError;

@@ -13,9 +13,10 @@
 //! - before the search, if the data contradict the model by more than a missing effect does (`intake/consistency.rs`);
 //! - in the search, if it explains the fit runs at least as well as every effect, and the error of the validation runs falls.
 //!
-//! A parameter that is 0 may stand for a coefficient that nobody stated (of magnets over temperature, of a grease) or switch off a part of
-//! the model (a node without heat capacity). The outputs follow the one, (1), and jump with the other, which is no candidate; neither is a
-//! start value. The sizes of the listed effects are candidates of the search.
+//! A parameter that is 0 may stand for something that nobody stated: a coefficient of magnets or of a grease over temperature, the heat
+//! capacity of a gear. The outputs follow it by (1). A parameter with which they jump is a switch and no candidate; neither is a start value, nor
+//! a reference temperature. The sizes of the listed effects are candidates of the search. Before the search no listed effect is compared, so
+//! that parameters that are 0 wait for it.
 //! *Source*: evidence and its penalty as for effects (`evidence.rs`, `selection.rs`).
 
 use crate::CalibrateError;
@@ -42,6 +43,8 @@ const FITTED: usize = 2;
 pub const DEVIATION: f64 = 1.0;
 /// Group of the start values.
 const START_VALUES: &str = "initial.";
+/// Reference temperatures: definitions of other values, and no unknowns.
+const REFERENCE: &str = ".T_ref";
 /// Group of the effects.
 const EFFECTS: &str = "effect.";
 
@@ -80,7 +83,7 @@ impl Released<'_> {
 
 /// The parameter without prior whose other value explains the residual of `point`, the fit, best; to be fitted, it must explain more than
 /// `least` to first order. A wrong value can lead the fit far astray, so that (1) fails there; each parameter is therefore also fitted from
-/// the preset, by (1) at the preset.
+/// the preset, by (1) at the preset. `may_be` selects parameters.
 pub fn best<'a>(
     point: &Linearization<'a>,
     least: f64,
@@ -160,6 +163,7 @@ fn candidates(setup: &Setup) -> Vec<Declared> {
             && matches!(entry.row.kind, Kind::Real)
             && (setup.bench.start_of(entry.slot) != 0.0 || !entry.name.starts_with(EFFECTS))
             && !entry.name.starts_with(START_VALUES)
+            && !entry.name.ends_with(REFERENCE)
             && !shapes_an_effect(&entry.name)
             && !setup.declared.iter().any(|d| d.slot == entry.slot)
             && !setup.kept.contains(&entry.name)
@@ -268,6 +272,9 @@ mod tests {
         };
         let setup = Setup::new(&experiment, &[(reference, 0.0)]).unwrap();
         let point = Linearization::judged(&setup, setup.refit(&[0]).unwrap(), &[0]).unwrap();
+        assert!(
+            candidates(&setup).iter().all(|own| own.name != "motor.T_ref" && own.name != "effect.windage.k")
+        );
         let found = best(&point, LEAST, |_| true).unwrap();
         assert_eq!(found.name, "motor.alpha_mag");
         let value = found.setup.declared.iter().zip(&found.fitted.hypothesis.declared);

@@ -49,6 +49,20 @@ fn a_zero_is_found_with_its_size() {
     }
 }
 
+/// A constant reading that errs by most of itself is not believed; one that varies says nothing of its zero.
+#[test]
+fn a_zero_of_half_of_a_steady_reading_is_none() {
+    for (wild, zero, expected) in
+        [(false, 0.5, true), (false, 3.0, false), (false, -3.0, false), (true, 3.0, true)]
+    {
+        let experiment = testing::experiment(PRIORS, wild);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let (form, sizes, runs) = (Form::Zero, vec![zero], vec![0]);
+        let wrong = Wrong { input: 0, runs, form, sizes, price: 0.0, sure: 0.0, left: 0.0, rest: 0.0 };
+        assert_eq!(wrong.is_plausible(&setup), expected, "{wild} {zero}");
+    }
+}
+
 /// A shunt, a current clamp or a tachometer of another gain, by a factor of no unit.
 #[test]
 fn a_gain_is_found_with_its_size() {

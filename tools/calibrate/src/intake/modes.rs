@@ -1,13 +1,13 @@
 //! Modes of the preset that contradict the data: a bridge in another decay mode, a duty of 0 that brakes in place of coasting, another cooling.
 //!
 //! A mode that nobody stated in `[set]` is that of the preset. With a wrong one, no values of the parameters describe the data, and sensors look
-//! dead that are right. Each other mode is a hypothesis without a number of its own: it is taken if the declared parameters describe the fit runs
-//! with it as they describe them with the mode of the preset but for a small part of the excess over the noise,
+//! dead that are right. Each other mode is a hypothesis without a number of its own. It is taken if the declared parameters describe the fit runs
+//! with it, and not with the mode of the preset: if only a small part of the excess over the noise is left,
 //!
 //! X' < s X,   X = chi^2 / n - 1                                                                       (1)
 //!
-//! chi^2 of the fit by the noise of the readings, n their number, s [`SMALL`]. X has to be more than missing effects and input noise leave as a
-//! rule.
+//! chi^2 of the fit by the noise of the readings, n their number, s [`SMALL`]. X has to be at least [`FACTOR`], more than the noise of the
+//! inputs leaves.
 //! *Source*: as for mistakes in columns (`consistency.rs`).
 
 use crate::CalibrateError;
@@ -33,13 +33,6 @@ pub fn correct(
 ) -> Result<(), CalibrateError> {
     let runs: Vec<usize> =
         (0..experiment.runs.len()).filter(|run| experiment.runs[*run].role == Role::Fit).collect();
-    fn setup<'a>(
-        experiment: &'a Experiment,
-        preset: &[(u32, f64)],
-        deadline: &Deadline,
-    ) -> Result<Setup<'a>, CalibrateError> {
-        Ok(Setup::new(experiment, preset)?.until(deadline.clone()))
-    }
     let as_is = setup(experiment, preset, deadline)?;
     let Ok(shown) = as_is.show(&as_is.preset(), &runs) else { return Ok(()) };
     let acts = |experiment: &Experiment| -> Result<bool, CalibrateError> {
@@ -75,6 +68,14 @@ pub fn correct(
     ));
     *experiment = other;
     Ok(())
+}
+
+fn setup<'a>(
+    experiment: &'a Experiment,
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Result<Setup<'a>, CalibrateError> {
+    Ok(Setup::new(experiment, preset)?.until(deadline.clone()))
 }
 
 /// Every other item of the modes that neither the experiment nor its inputs state.
