@@ -33,7 +33,10 @@ pub fn correct(
 ) -> Result<(), CalibrateError> {
     let runs: Vec<usize> =
         (0..experiment.runs.len()).filter(|run| experiment.runs[*run].role == Role::Fit).collect();
-    let as_is = setup(experiment, preset, deadline)?;
+    // As many rows as a search has: a fast logger's fits are not made twice.
+    let means = experiment.of_means();
+    let own = means.as_ref().unwrap_or(experiment);
+    let as_is = setup(own, preset, deadline)?;
     let Ok(shown) = as_is.show(&as_is.preset(), &runs) else { return Ok(()) };
     let acts = |experiment: &Experiment| -> Result<bool, CalibrateError> {
         let other = setup(experiment, preset, deadline)?;
@@ -41,7 +44,7 @@ pub fn correct(
     };
     let mut others = Vec::new();
     for (name, item) in unstated(&as_is) {
-        let mut other = experiment.clone();
+        let mut other = own.clone();
         other.set.push((name.clone(), f64::from(item.value)));
         if acts(&other)? {
             others.push((other, name, item));
@@ -51,22 +54,22 @@ pub fn correct(
         return Ok(());
     }
     let fitted = |setup: &Setup| setup.fit(setup.preset(), &runs).ok().as_ref().map(excess);
-    let Some(own) = fitted(&as_is).filter(|own| *own > FACTOR) else { return Ok(()) };
+    let Some(before) = fitted(&as_is).filter(|excess| *excess > FACTOR) else { return Ok(()) };
     let found = parallel::map(&others, |(other, ..)| {
         Ok::<_, CalibrateError>(fitted(&setup(other, preset, deadline)?))
     });
     let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
     let best = found.into_iter().zip(others).filter_map(|(left, other)| Some((left?, other)));
-    let best = best.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(left, _)| *left < SMALL * own);
-    let Some((left, (mut other, name, item))) = best.filter(|_| !deadline.is_near()) else { return Ok(()) };
-    other.notes.push(format!(
+    let best = best.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(left, _)| *left < SMALL * before);
+    let Some((left, (_, name, item))) = best.filter(|_| !deadline.is_near()) else { return Ok(()) };
+    experiment.set.push((name.clone(), f64::from(item.value)));
+    experiment.notes.push(format!(
         "the mode {name} of the preset contradicts the data: with {name} = \"{}\" the declared parameters describe the fit runs to {:.2} times \
          their noise, otherwise to {:.2} times; it was used, add it to [set]",
         item.name,
         (1.0 + left.max(0.0)).sqrt(),
-        (1.0 + own).sqrt()
+        (1.0 + before).sqrt()
     ));
-    *experiment = other;
     Ok(())
 }
 
