@@ -53,6 +53,7 @@ mod coulomb_friction;
 mod dead_time;
 mod demagnetisation;
 mod drive_loss;
+mod driven;
 mod fan_back_pressure;
 mod fan_exponent;
 mod forced_convection;
@@ -80,6 +81,7 @@ mod winding_sensor_offset;
 mod winding_sensor_stem_loss;
 
 pub use candidate::{Candidate, Follows, Way};
+pub use driven::DrivenSlopes;
 pub use forced_convection::{ConvectionDriver, CooledNode};
 
 use crate::model::Unserved;
@@ -293,6 +295,12 @@ impl Effects {
     #[inline]
     pub fn has_lags(&self) -> bool {
         (0..MOST_TERMS).any(|k| self.lag(k).is_some())
+    }
+
+    /// Factor on the heat capacities; 1 exactly where nothing acts on them.
+    #[inline]
+    pub fn capacity_factor(&self) -> f64 {
+        if self.acts_at(EffectPort::HeatCapacity) { self.heat_capacity() } else { 1.0 }
     }
 
     /// Derivative of [`bridge_voltage`](Effect::bridge_voltage) and [`missed_voltage`](Effect::missed_voltage), Ohm.

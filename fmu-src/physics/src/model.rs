@@ -357,8 +357,12 @@ pub trait Model: Exchange + Send + Sync {
     fn set_slope(&mut self, slot: Slot, slope: f64);
     /// The input derivative that [`set_slope`](Model::set_slope) has set for the next step, per second.
     fn slope(&self, slot: Slot) -> f64;
+    /// Why the model does not take a term that is data, in a few words about the model; `None` if it does.
+    fn refusal(&self, _term: &GenericTerm) -> Option<&'static str> {
+        Some("it takes no terms")
+    }
     /// Replaces the terms that are data (`terms.rs`), before the start; returns false and changes nothing
-    /// if the model accepts no terms or not as many.
+    /// if the model [refuses](Model::refusal) any or accepts fewer.
     fn set_terms(&mut self, _terms: &[GenericTerm]) -> bool {
         false
     }

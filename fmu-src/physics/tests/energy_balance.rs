@@ -1,11 +1,10 @@
 //! The energy books, instantaneous and integrated, in every mode.
 
-use crate::common::{cooling_modes, friction, motor};
+use crate::common::{cooling_modes, friction, motor, with_terms};
 use physics::declare::{Causality, Kind};
 use physics::effects::Effects;
 use physics::model::{Entry, Model};
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
-use physics::terms::{Driver, Factor, GenericTerm, Law, MOST_TERMS, Port, Product};
 use std::collections::BTreeSet;
 
 const DRIVES: [DriveMode; 4] = [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power];
@@ -26,31 +25,7 @@ fn input(m: &mut AnnulusCooledMotor, name: &str, value: f64, slope: f64) {
 fn cases() -> Vec<Effects> {
     let mut rubbing = Effects { coulomb_friction: friction(0.00983), ..Effects::default() };
     rubbing.viscous_friction.k = 3e-6;
-    let with_terms = Port::ALL.chunks(MOST_TERMS).map(|ports| {
-        let terms: Vec<GenericTerm> = ports.iter().map(|port| moving_term(*port)).collect();
-        let mut effects = rubbing;
-        assert!(effects.take_terms(&terms));
-        effects
-    });
-    [rubbing, Effects::examples()].into_iter().chain(with_terms).collect()
-}
-
-/// A term that moves with temperature, current and speed, of a size that its port bears.
-fn moving_term(port: Port) -> GenericTerm {
-    let factor = |driver: Driver, offset: f64, reference: f64| {
-        Some(Factor { driver, offset, reference, exponent: 0.7, range: Factor::UNLIMITED })
-    };
-    let factors = [
-        factor(Driver::HousingTemperature, 250.0, 50.0),
-        factor(Driver::Current, -20.0, 20.0),
-        factor(Driver::Speed, 0.0, 1000.0),
-    ];
-    let coefficient = match port {
-        Port::DragTorque => 5e-3,
-        Port::WindingHeat | Port::HousingHeat => 5.0,
-        _ => 0.2,
-    };
-    GenericTerm::new(port, Law::Product(Product { coefficient, factors }))
+    [rubbing, Effects::examples()].into_iter().chain(with_terms(rubbing, |_| true)).collect()
 }
 
 /// A second of everything at once: volts, amperes, load, fan and room on ramps, reversing under friction.

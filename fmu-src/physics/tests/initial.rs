@@ -42,6 +42,8 @@ const OF_MOTOR: [Pair; 10] = [
 fn of_gearmotor() -> Vec<Pair> {
     let declaration = BrushedGearmotor::default().declaration();
     let initial = declaration.entries.iter().filter_map(|e| Some((e, e.name.strip_prefix("initial.")?)));
+    // Those of lags are relative to their drivers.
+    let initial = initial.filter(|(_, own)| !own.starts_with("term_lag"));
     let state =
         |own: &str| declaration.by_name(&format!("state.{own}")).unwrap_or_else(|| panic!("no state.{own}"));
     initial.map(|(entry, own)| (entry.name.as_str(), state(own).name.as_str())).collect()
@@ -172,31 +174,34 @@ fn a_run_goes_on_from_the_lags_of_its_terms() {
         term(Port::DragTorque, Driver::Speed, 1e-5, 7.0, false),
         term(Port::WindingHeat, Driver::CopperLoss, 0.1, 30.0, false),
     ];
-    for cooling in cooling_modes() {
-        let mut fresh = busy(DriveMode::Voltage, MechanicalMode::FreeShaft, cooling, Effects::default());
+    let of_motor = |cooling: CoolingMode| -> (Box<dyn Model>, Vec<Pair>, String) {
+        let motor = busy(DriveMode::Voltage, MechanicalMode::FreeShaft, cooling, Effects::default());
+        let mut pairs = OF_MOTOR.to_vec();
+        if !method(cooling).has_network() {
+            pairs.last_mut().unwrap().1 = "state.core_temperature";
+        }
+        (Box::new(motor), pairs, format!("{cooling:?}"))
+    };
+    let mut gearmotor = BrushedGearmotor::default();
+    (gearmotor.inputs.duty, gearmotor.inputs.load_torque) = (0.7, 0.2);
+    let of_gearmotor: (Box<dyn Model>, _, _) = (Box::new(gearmotor), of_gearmotor(), "gearmotor".to_string());
+    for (mut fresh, pairs, what) in cooling_modes().map(of_motor).chain([of_gearmotor]) {
         assert!(fresh.set_terms(&terms));
-        let mut first = fresh.clone();
+        let mut first = fresh.boxed_clone();
         first.start(0.0).unwrap();
         for k in 0..200 {
             first.step(f64::from(k) * 0.1, 0.1).unwrap();
         }
         let (stop, drivers) = (first.time(), first.drivers());
         let mut go_on = |lags: bool| {
-            let mut fresh = fresh.clone();
+            let mut fresh = fresh.boxed_clone();
             for (k, term) in terms.iter().enumerate().filter(|_| lags) {
                 let driver = term.lag.unwrap().driver;
-                let state = get(&mut first, &format!("state.term_lag[{}]", k + 1));
-                set(
-                    &mut fresh,
-                    &format!("initial.term_lag_{}", k + 1),
-                    state - drivers.of(driver) / driver.nominal(),
-                );
+                let state = get(first.as_mut(), &format!("state.term_lag[{}]", k + 1));
+                let above = state - drivers.of(driver) / driver.nominal();
+                set(fresh.as_mut(), &format!("initial.term_lag_{}", k + 1), above);
             }
-            let mut pairs = OF_MOTOR.to_vec();
-            if !method(cooling).has_network() {
-                pairs.last_mut().unwrap().1 = "state.core_temperature";
-            }
-            let mut second = continued(&mut first, &fresh, &pairs, stop);
+            let mut second = continued(first.as_mut(), fresh.as_ref(), &pairs, stop);
             for k in 0..100 {
                 second.step(stop + f64::from(k) * 0.1, 0.1).unwrap();
             }
@@ -206,10 +211,11 @@ fn a_run_goes_on_from_the_lags_of_its_terms() {
         for k in 0..100 {
             first.step(stop + f64::from(k) * 0.1, 0.1).unwrap();
         }
-        assert_same(&mut first, with.as_mut(), &format!("{cooling:?}"));
-        assert!(get(with.as_mut(), "energy_balance_error").abs() < 1e-6, "{cooling:?}");
-        let apart = get(&mut first, "housing_temperature") - get(without.as_mut(), "housing_temperature");
-        assert!(apart.abs() > 1e-3, "{cooling:?}: lags that start at their drivers differ by {apart} K only");
+        assert_same(first.as_mut(), with.as_mut(), &what);
+        assert!(get(with.as_mut(), "energy_balance_error").abs() < 1e-6, "{what}");
+        let housing = |m: &mut dyn Model| get(m, "housing_temperature");
+        let apart = housing(first.as_mut()) - housing(without.as_mut());
+        assert!(apart.abs() > 1e-3, "{what}: lags that start at their drivers differ by {apart} K only");
     }
 }
 

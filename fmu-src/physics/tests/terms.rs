@@ -1,9 +1,9 @@
 //! Terms that are data over a step: what they hold of their drivers.
 
 use crate::common::motor;
-use physics::exchange::Exchange;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
+use physics::models::brushed_gearmotor::BrushedGearmotor;
 use physics::terms::{Driver, Factor, GenericTerm, Grid, Lag, Law, Port, Product, Table};
 
 fn output(m: &mut AnnulusCooledMotor, name: &str) -> f64 {
@@ -155,6 +155,36 @@ fn lags_are_of_second_order_exchanged_and_saved() {
     );
 }
 
+/// The same in the gearmotor, whose current and speed are states; they have settled at the start.
+#[test]
+fn lags_in_a_gearmotor_are_of_second_order_exchanged_and_saved() {
+    let geared = |terms: &[GenericTerm]| -> Box<dyn Model> {
+        let mut m = BrushedGearmotor::default();
+        assert!(m.set_terms(terms));
+        (m.inputs.duty, m.inputs.load_torque) = (0.7, 0.1);
+        m.start(-2.0).unwrap();
+        after(&mut m, 2000, 1e-3);
+        Box::new(m)
+    };
+    let housing = mass(Port::HousingHeat, Driver::HousingTemperature, 0.2, 70.0);
+    for terms in [
+        [
+            lagging(Port::TorqueConstant, Driver::WindingTemperature, (298.15, -2e-3), 40.0),
+            lagging(Port::DragTorque, Driver::FrictionLoss, (0.0, -0.02), 60.0),
+            lagging(Port::HousingHeat, Driver::CopperLoss, (0.0, 0.3), 80.0),
+        ],
+        [
+            housing,
+            lagging(Port::WindingResistance, Driver::HousingTemperature, (298.15, 1e-3), 50.0),
+            lagging(Port::HeatCapacity, Driver::Current, (0.0, 0.5), 30.0),
+        ],
+    ] {
+        converge(&geared, 1.7, &terms);
+        are_exchanged(&geared, 25_000, 2e-5, &terms);
+        are_saved(&geared, &terms);
+    }
+}
+
 /// A mass behind `conductance`, W/K, at the node that a port heats.
 fn mass(port: Port, driver: Driver, conductance: f64, tau: f64) -> GenericTerm {
     let term = lagging(port, driver, (0.0, conductance), tau);
@@ -204,61 +234,94 @@ fn a_mass_is_a_node() {
     }
 }
 
-/// `order`: least order of convergence.
-fn converge_are_exchanged_and_saved(order: f64, terms: &[GenericTerm]) {
-    let begun = || {
-        let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
-        assert!(m.set_terms(terms));
-        m.parameters.effects.coulomb_friction.tau_c = 0.01;
-        (m.inputs.current_command, m.inputs.imposed_speed) = (5.0, 400.0);
-        m.start(0.0).unwrap();
-        m
-    };
-    let after = |m: &mut AnnulusCooledMotor, from: u32, steps: u32, h: f64| {
-        (from..from + steps).for_each(|k| m.step(f64::from(k) * h, h).unwrap());
-        let mut states = Vec::new();
-        m.states(&mut states);
-        states
-    };
-    let truth = after(&mut begun(), 0, 4096, 200.0 / 4096.0);
-    assert_eq!(truth.len(), 5, "two nodes and three lags");
-    let errors = [32, 64, 128].map(|n| {
-        let found = after(&mut begun(), 0, n, 200.0 / f64::from(n));
-        found.iter().zip(&truth).map(|(a, b)| ((a - b) / b).abs()).fold(0.0, f64::max)
-    });
-    assert!(errors.windows(2).all(|e| (e[0] / e[1]).log2() > order), "{errors:?}");
+/// A motor with current and speed from outside.
+fn heated(terms: &[GenericTerm]) -> Box<dyn Model> {
+    let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
+    assert!(m.set_terms(terms));
+    m.parameters.effects.coulomb_friction.tau_c = 0.01;
+    (m.inputs.current_command, m.inputs.imposed_speed) = (5.0, 400.0);
+    m.start(0.0).unwrap();
+    Box::new(m)
+}
 
-    let mut exchanged = begun();
-    exchanged.enter_model_exchange();
-    let count = exchanged.declaration().states.len();
-    let (mut x, mut rates) = (vec![0.0; count], vec![0.0; count]);
-    exchanged.read_states(&mut x);
-    let (h, mut middle) = (0.1, vec![0.0; count]);
-    for k in 0..2000 {
-        let time = f64::from(k) * h;
+/// A motor with terms at the start of a run.
+type Begun<'a> = &'a dyn Fn(&[GenericTerm]) -> Box<dyn Model>;
+
+/// The states after further steps of `h` seconds.
+fn after(m: &mut dyn Model, steps: u32, h: f64) -> Vec<f64> {
+    let from = m.time();
+    (0..steps).for_each(|k| m.step(from + f64::from(k) * h, h).unwrap());
+    let mut states = Vec::new();
+    m.states(&mut states);
+    states
+}
+
+/// Greatest relative difference of two lists of states.
+fn apart(found: &[f64], truth: &[f64]) -> f64 {
+    assert_eq!(found.len(), truth.len());
+    found.iter().zip(truth).map(|(a, b)| ((a - b) / b).abs()).fold(0.0, f64::max)
+}
+
+/// Relative error of the integrator, below which nothing converges.
+const FLOOR: f64 = 1e-6;
+
+/// `order`: least order of convergence over 200 s, down to the error of the integrator.
+fn converge(begun: Begun, order: f64, terms: &[GenericTerm]) {
+    let end = |steps: u32| after(begun(terms).as_mut(), steps, 200.0 / f64::from(steps));
+    let truth = end(4096);
+    assert!(truth.len() >= 5, "at least two nodes and three lags");
+    let errors = [32, 64, 128].map(|steps| apart(&end(steps), &truth));
+    let converges = |e: &[f64]| e[1] < FLOOR || (e[0] / e[1]).log2() > order;
+    assert!(errors.windows(2).all(converges), "{errors:?}");
+}
+
+/// An importer that integrates with this many steps of `h` seconds finds the states that the motor itself finds.
+fn are_exchanged(begun: Begun, steps: u32, h: f64, terms: &[GenericTerm]) {
+    let truth = after(begun(terms).as_mut(), 4000, f64::from(steps) * h / 4000.0);
+    let mut m = begun(terms);
+    let start = m.time();
+    m.enter_model_exchange();
+    let count = m.declaration().states.len();
+    let (mut x, mut rates, mut middle) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+    m.read_states(&mut x);
+    for k in 0..steps {
+        let time = start + f64::from(k) * h;
         let mut at = |time: f64, x: &[f64], rates: &mut Vec<f64>| {
-            exchanged.write_time(time);
-            exchanged.write_states(x);
-            exchanged.derivatives(rates).unwrap();
+            m.write_time(time);
+            m.write_states(x);
+            m.derivatives(rates).unwrap();
         };
         at(time, &x, &mut rates);
         middle.iter_mut().zip(x.iter().zip(&rates)).for_each(|(m, (x, r))| *m = x + 0.5 * h * r);
         at(time + 0.5 * h, &middle, &mut rates);
         x.iter_mut().zip(&rates).for_each(|(x, r)| *x += h * r);
+        m.write_time(time + h);
+        m.write_states(&x);
+        m.accept_step();
     }
-    exchanged.write_states(&x);
+    let error = m.get(m.declaration().by_name("energy_balance_error").unwrap().slot);
+    assert!(error.abs() < 1e-3, "{error} J");
     let mut found = Vec::new();
-    exchanged.states(&mut found);
-    let off = found.iter().zip(&truth).map(|(a, b)| ((a - b) / b).abs()).fold(0.0, f64::max);
+    m.states(&mut found);
+    let off = apart(&found, &truth);
     assert!(off < 2e-5, "{off}: {found:?} and {truth:?}");
+}
 
-    let mut m = begun();
-    after(&mut m, 0, 50, 1.0);
+/// A motor that is put back goes the same way to the last bit.
+fn are_saved(begun: Begun, terms: &[GenericTerm]) {
+    let mut m = begun(terms);
+    after(m.as_mut(), 50, 1.0);
     let mut saved = Vec::new();
     m.save(&mut saved);
-    let once = after(&mut m, 50, 50, 1.0);
+    let once = after(m.as_mut(), 50, 1.0);
     assert!(m.restore(&saved));
-    assert_eq!(after(&mut m, 50, 50, 1.0), once);
+    assert_eq!(after(m.as_mut(), 50, 1.0), once);
+}
+
+fn converge_are_exchanged_and_saved(order: f64, terms: &[GenericTerm]) {
+    converge(&heated, order, terms);
+    are_exchanged(&heated, 2000, 0.1, terms);
+    are_saved(&heated, terms);
 }
 
 /// A table over a driver, bent in the middle.
@@ -305,20 +368,32 @@ fn derivatives_are_those_of_states_that_settle_within_a_step() {
         GenericTerm::new(Port::WindingHeat, power(Driver::Current, 0.0, 10.0, 5.0)),
     ];
     let h = 0.01;
-    for (drive, coupling) in [
-        (DriveMode::Voltage, MechanicalMode::ImposedSpeed),
-        (DriveMode::Voltage, MechanicalMode::FreeShaft),
-        (DriveMode::Pwm, MechanicalMode::ImposedSpeed),
-        (DriveMode::Current, MechanicalMode::FreeShaft),
+    let turning = |modes: Option<(DriveMode, MechanicalMode)>, term: &GenericTerm| -> Box<dyn Model> {
+        let Some((drive, coupling)) = modes else {
+            let mut m = BrushedGearmotor::default();
+            assert!(m.set_terms(&[*term]));
+            m.start(0.0).unwrap();
+            return Box::new(m);
+        };
+        let mut m = motor(drive, coupling);
+        assert!(m.set_terms(&[*term]));
+        m.parameters.effects.viscous_friction.k = 1e-3;
+        m.start(0.0).unwrap();
+        m.inputs.imposed_speed = 200.0;
+        Box::new(m)
+    };
+    for modes in [
+        Some((DriveMode::Voltage, MechanicalMode::ImposedSpeed)),
+        Some((DriveMode::Voltage, MechanicalMode::FreeShaft)),
+        Some((DriveMode::Pwm, MechanicalMode::ImposedSpeed)),
+        Some((DriveMode::Current, MechanicalMode::FreeShaft)),
+        None,
     ] {
         for term in &terms {
-            let mut m = motor(drive, coupling);
-            assert!(m.set_terms(&[*term]));
-            m.parameters.effects.viscous_friction.k = 1e-3;
-            m.start(0.0).unwrap();
-            m.inputs.imposed_speed = 200.0;
+            let mut m = turning(modes, term);
             for (name, value) in [("voltage", 12.0), ("duty", 0.8), ("current_command", 10.0)] {
-                assert!(m.set(m.declaration().by_name(name).unwrap().slot, value));
+                let input = m.declaration().by_name(name).filter(|e| e.is_continuous_input());
+                assert!(input.is_none_or(|entry| m.set(entry.slot, value)));
             }
             let mut next = |k: u32| {
                 let (mut states, mut rates) = (Vec::new(), Vec::new());
@@ -341,7 +416,7 @@ fn derivatives_are_those_of_states_that_settle_within_a_step() {
                 let wrong: Vec<_> = wrong.collect();
                 assert!(
                     wrong.len() <= 2,
-                    "{drive:?} {coupling:?} {term:?}: state {s}, {} rows: {:?}",
+                    "{modes:?} {term:?}: state {s}, {} rows: {:?}",
                     wrong.len(),
                     &wrong[0]
                 );

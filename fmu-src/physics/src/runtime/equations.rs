@@ -92,7 +92,11 @@ pub trait Equations<const N: usize>: Clone + Debug + Saved + Send + Sync + Sized
     /// Sets the states that inputs impose.
     #[inline]
     fn follow_inputs(_run: &mut Runtime<Self, N>) {}
-    /// Sets the generic terms; false, without a change, if the model supports none or fewer.
+    /// Why the model does not take a term, in a few words about the model; `None` if it does.
+    fn refusal(_term: &GenericTerm) -> Option<&'static str> {
+        Some("it takes no terms")
+    }
+    /// Sets the generic terms, which the model does not [refuse](Equations::refusal); false, without a change, if it supports fewer.
     fn set_terms(_run: &mut Runtime<Self, N>, _terms: &[GenericTerm]) -> bool {
         false
     }
@@ -136,6 +140,10 @@ pub trait Equations<const N: usize>: Clone + Debug + Saved + Send + Sync + Sized
     }
     /// Called when a step from `time` has reached the event that divides it; `before` is the model at `time`.
     fn pass_event(_run: &mut Runtime<Self, N>, _before: &Runtime<Self, N>, _time: f64, _event: f64) {}
+    /// The discrete states before the first event.
+    fn discrete_before(_run: &Runtime<Self, N>) -> Self::Discrete {
+        Self::Discrete::default()
+    }
     /// The discrete states after an event at the present time; `before` are those before it.
     fn discrete(run: &Runtime<Self, N>, before: &Self::Discrete) -> Self::Discrete;
     /// Called when the importer enters Model Exchange.

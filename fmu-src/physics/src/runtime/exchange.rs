@@ -76,7 +76,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
     pub(super) fn hold_start(&mut self) {
         if self.pre.is_some() {
             let still = std::array::from_fn(|k| Some(M::state(self, k)));
-            self.pre = Some(PreValues { still, ..PreValues::default() });
+            self.pre = Some(PreValues { still, since: 0.0, discrete: M::discrete_before(self) });
             self.update();
         }
     }

@@ -2,14 +2,17 @@
 //!
 //! A model consists of variables, components and [`Equations`]. The [`Runtime`] provides everything else: inputs and their derivatives,
 //! time, values by slot, cached outputs, steps with events and limits of validity (this file), the functions of
-//! [`Model`](crate::model::Model) (`model.rs`), Model Exchange with the discrete states (`exchange.rs`), saved states (`saved.rs`).
+//! [`Model`](crate::model::Model) (`model.rs`), Model Exchange with the discrete states (`exchange.rs`), saved states (`saved.rs`), and, for
+//! models at whose ports terms from data act, their drivers and lags (`driven.rs`).
 
+mod driven;
 mod equations;
 mod exchange;
 mod halt;
 mod model;
 mod saved;
 
+pub use driven::{Driven, Lags};
 pub use equations::{Equations, NoVariables, Table};
 pub use exchange::PreValues;
 pub use halt::Halt;

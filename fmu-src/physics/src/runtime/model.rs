@@ -127,8 +127,12 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
         self.slopes.get(slot.row as usize)
     }
 
+    fn refusal(&self, term: &GenericTerm) -> Option<&'static str> {
+        M::refusal(term)
+    }
+
     fn set_terms(&mut self, terms: &[GenericTerm]) -> bool {
-        let taken = M::set_terms(self, terms);
+        let taken = terms.iter().all(|term| M::refusal(term).is_none()) && M::set_terms(self, terms);
         self.follow_modes();
         self.outdate();
         taken

@@ -29,7 +29,7 @@ mod state;
 mod step;
 mod system;
 
-pub use state::{State, StepIntegrals};
+pub use state::{State, StepIntegrals, middle_of};
 pub use system::{Fast, Segment, System, Work};
 
 use super::phi::Phi;

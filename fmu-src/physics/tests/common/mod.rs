@@ -10,7 +10,7 @@ use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, CoolingMode, DriveMode, Inputs, MechanicalMode, Parameters, STATES, Step,
 };
 use physics::models::brushed_gearmotor::BrushedGearmotor;
-use physics::terms::Drivers;
+use physics::terms::{Driver, Drivers, Factor, GenericTerm, Law, MOST_TERMS, Port, Product};
 use reference::{Tolerance, integrate};
 use std::fmt;
 
@@ -41,6 +41,36 @@ pub fn turn_on_all_nodes(gearmotor: &mut BrushedGearmotor) {
             assert!(thermal.set(row, parameter.nominal));
         }
     }
+}
+
+/// These effects with terms at every port for which `serves` is true, a few at a time.
+pub fn with_terms(effects: Effects, serves: fn(Port) -> bool) -> Vec<Effects> {
+    let ports: Vec<Port> = Port::ALL.iter().copied().filter(|port| serves(*port)).collect();
+    let some = |ports: &[Port]| {
+        let terms: Vec<GenericTerm> = ports.iter().map(|port| moving_term(*port)).collect();
+        let mut effects = effects;
+        assert!(effects.take_terms(&terms));
+        effects
+    };
+    ports.chunks(MOST_TERMS).map(some).collect()
+}
+
+/// A term that moves with temperature, current and speed, of a size that its port bears.
+fn moving_term(port: Port) -> GenericTerm {
+    let factor = |driver: Driver, offset: f64, reference: f64| {
+        Some(Factor { driver, offset, reference, exponent: 0.7, range: Factor::UNLIMITED })
+    };
+    let factors = [
+        factor(Driver::HousingTemperature, 250.0, 50.0),
+        factor(Driver::Current, -20.0, 20.0),
+        factor(Driver::Speed, 0.0, 1000.0),
+    ];
+    let coefficient = match port {
+        Port::DragTorque => 5e-3,
+        Port::WindingHeat | Port::HousingHeat => 5.0,
+        _ => 0.2,
+    };
+    GenericTerm::new(port, Law::Product(Product { coefficient, factors }))
 }
 
 /// All modes of cooling.

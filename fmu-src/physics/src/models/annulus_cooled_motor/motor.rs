@@ -8,14 +8,13 @@ use super::state_list::{ALL, STATES, is_coupled};
 use super::variables::{DriveMode, EnergyBalance, Indicators, Inputs, MechanicalMode, Outputs};
 use crate::components::commutation::{Commutation, Phases};
 use crate::components::validity::Extremes;
-use crate::effects::{EffectPort, PerNode};
+use crate::effects::PerNode;
 use crate::exchange::is_above;
-use crate::line::Line;
 use crate::model::{Declaration, Declared, Fault, HousingHeat};
-use crate::runtime::{Equations, Halt, Runtime};
+use crate::runtime::{Equations, Halt, Lags, Runtime};
 use crate::saved;
 use crate::solver::split::{Split, State};
-use crate::terms::{Drivers, GenericTerm, MOST_TERMS};
+use crate::terms::{Drivers, GenericTerm};
 use declare::{Named, State as Declare};
 use std::f64::consts::FRAC_PI_3;
 
@@ -31,12 +30,8 @@ pub struct Motor {
     pub(super) state: State<NODES>,
     /// Temperatures of the sensors, K.
     pub(super) sensors: PerNode,
-    /// State of each term's lag, in the unit of its driver.
-    pub(super) term_lags: [f64; MOST_TERMS],
-    /// The same over the present step, as lines from this time on; none between the steps.
-    pub(super) lag_lines: Option<([Line; MOST_TERMS], f64)>,
-    /// Mean of each over the last step; the next step does not depend on it.
-    pub(super) mean_lags: [f64; MOST_TERMS],
+    /// The lags of terms.
+    pub(super) lags: Lags,
     /// Temperature at the start, K; reference of the stored heat.
     pub(super) t_start: f64,
     /// Factor on the heat capacities of [`Constants`].
@@ -53,7 +48,7 @@ pub struct Motor {
 }
 
 saved!(PerNode { winding, housing });
-saved!(Motor { sensors, t_start, capacity_factor, term_lags, stored_at_start, state, split, phases });
+saved!(Motor { sensors, t_start, capacity_factor, lags, stored_at_start, state, split, phases });
 
 /// Discrete states in Model Exchange.
 #[derive(Clone, Copy, Debug)]
@@ -133,7 +128,7 @@ impl AnnulusCooledMotor {
         let fan = if is_kept { fan.1 } else { parameters.to_ambient(self.inputs.fan_command) };
         let mut step = Step::new(parameters, constants, &self.inputs, &self.slopes, fan, self.time);
         step.excess = self.excess();
-        step.lags = self.lags_from(self.time);
+        step.lags = self.own.lags.after(self.time);
         if let Some(pre) = &self.pre {
             step = step.with_strength_since(pre.since).with_open_switches(pre.discrete.idle);
         }
@@ -205,9 +200,7 @@ impl Equations<ALL> for Motor {
             fan: (f64::NAN, PerNode::default()),
             state: State::default(),
             sensors: PerNode::default(),
-            term_lags: [0.0; MOST_TERMS],
-            lag_lines: None,
-            mean_lags: [0.0; MOST_TERMS],
+            lags: Lags::default(),
             t_start: 0.0,
             capacity_factor: 1.0,
             stored_at_start: 0.0,
@@ -249,7 +242,10 @@ impl Equations<ALL> for Motor {
 
     #[inline]
     fn advance(run: &mut AnnulusCooledMotor, time: f64, h: f64) -> Result<(), Halt> {
-        run.advance(time, h)
+        match &run.own.fault {
+            Some(fault) => Err(Halt::Fault(Fault(fault.clone()))),
+            None => run.advance_driven(time, h),
+        }
     }
 
     fn point(_: &AnnulusCooledMotor) {}
@@ -266,9 +262,7 @@ impl Equations<ALL> for Motor {
             Output::current => Some(state.x[0]),
             Output::shaft_angle => Some(state.angle),
             Output::shaft_speed => Some(state.x[1]),
-            sensor @ (Output::winding_temperature | Output::housing_temperature)
-                if !effects.acts_at(EffectPort::Any) =>
-            {
+            sensor @ (Output::winding_temperature | Output::housing_temperature) if !run.is_told() => {
                 let ambient = run.ambient(run.time).start;
                 Some(match sensor {
                     Output::winding_temperature => effects.winding_sensor(run.own.sensors.winding, ambient),
@@ -327,6 +321,10 @@ impl Equations<ALL> for Motor {
         }
     }
 
+    fn refusal(_: &GenericTerm) -> Option<&'static str> {
+        None
+    }
+
     fn set_terms(run: &mut AnnulusCooledMotor, terms: &[GenericTerm]) -> bool {
         let taken = run.parameters.effects.take_terms(terms);
         run.follow_parameters();
@@ -378,6 +376,10 @@ impl Equations<ALL> for Motor {
     #[inline]
     fn next_division(run: &AnnulusCooledMotor, time: f64) -> f64 {
         if run.own.constants.eventful { Self::next_event(run, time) } else { f64::INFINITY }
+    }
+
+    fn discrete_before(run: &AnnulusCooledMotor) -> Discrete {
+        Discrete { booked: run.own.capacity_factor, ..Discrete::default() }
     }
 
     fn discrete(run: &AnnulusCooledMotor, before: &Discrete) -> Discrete {

@@ -11,7 +11,7 @@ use super::state_list::{
     WINDING, WINDING_SENSOR,
 };
 use super::variables::Outputs;
-use crate::effects::{EffectPort, PerNode};
+use crate::effects::PerNode;
 use crate::solver::split::System;
 
 /// The motor at the present time, as outputs and derivatives see it.
@@ -31,7 +31,7 @@ impl AnnulusCooledMotor {
     #[inline(always)]
     pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Reading) -> T) -> T {
         let own = &self.own;
-        let is_told = self.parameters.effects.acts_at(EffectPort::Any);
+        let is_told = self.is_told();
         let is_cooled = own.network.as_ref().is_none_or(|n| {
             self.pre.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
         });
@@ -124,14 +124,7 @@ impl Reading<'_> {
         if lag.housing > 0.0 {
             all[HOUSING_SENSOR] = (sensed.housing - sensors.housing) / lag.housing;
         }
-        if run.parameters.effects.has_lags() {
-            let sources = run.lag_sources_with(|| step.heat_flows(&run.own.state));
-            for (k, source) in sources.iter().enumerate() {
-                if let Some(lag) = run.parameters.effects.lag(k) {
-                    all[LAGS + k] = (source - run.own.term_lags[k]) / (lag.tau * lag.driver.nominal());
-                }
-            }
-        }
+        all[LAGS..HOUSING].copy_from_slice(&run.lag_rates(|| step.heat_flows(&run.own.state)));
         all
     }
 }

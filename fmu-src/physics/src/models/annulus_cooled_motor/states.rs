@@ -13,11 +13,6 @@ use crate::components::commutation::Commutation;
 use crate::effects::PerNode;
 
 impl AnnulusCooledMotor {
-    /// Scale of a lag state.
-    pub(super) fn lag_size(&self, k: usize) -> f64 {
-        self.parameters.effects.lag(k).map_or(1.0, |lag| lag.driver.nominal())
-    }
-
     /// Temperature of the node that each sensor is on, winding and housing, K.
     pub(super) fn sensed(&self) -> PerNode {
         PerNode { winding: self.own.state.temperature[0], housing: self.housing_temperature() }
@@ -40,7 +35,7 @@ impl AnnulusCooledMotor {
             SPEED => choices.mechanical_mode == MechanicalMode::FreeShaft,
             WINDING_SENSOR => self.parameters.effects.sensor_lag().winding > 0.0,
             HOUSING_SENSOR => self.parameters.effects.sensor_lag().housing > 0.0,
-            LAGS..HOUSING => self.parameters.effects.lag(k - LAGS).is_some(),
+            LAGS..HOUSING => self.has_lag(k - LAGS),
             PHASES..ENERGIES => choices.commutation != Commutation::EquivalentDc,
             ROTOR | TUBE | HOUSING.. => {
                 self.own.network.as_ref().is_some_and(|n| n.body.holds(Self::node(k)))
@@ -63,7 +58,7 @@ impl AnnulusCooledMotor {
             HOUSING_SENSOR => self.own.sensors.housing,
             PHASES..ENERGIES => self.own.phases.above[k - PHASES],
             ENERGIES..LAGS => self.own.state.energy[k - ENERGIES],
-            LAGS..HOUSING => self.own.term_lags[k - LAGS] / self.lag_size(k - LAGS),
+            LAGS..HOUSING => self.lag_state(k - LAGS),
             _ => self.own.network.as_ref().map_or(self.own.t_start, |n| n.temperatures()[Self::node(k)]),
         }
     }
@@ -78,7 +73,7 @@ impl AnnulusCooledMotor {
             HOUSING_SENSOR => self.own.sensors.housing = value,
             PHASES..ENERGIES => self.own.phases.above[k - PHASES] = value,
             ENERGIES..LAGS => self.own.state.energy[k - ENERGIES] = value,
-            LAGS..HOUSING => self.own.term_lags[k - LAGS] = value * self.lag_size(k - LAGS),
+            LAGS..HOUSING => self.put_lag_state(k - LAGS, value),
             _ => {
                 if let Some(network) = &mut self.own.network {
                     network.temperatures_mut()[Self::node(k)] = value;

@@ -12,28 +12,22 @@ use super::parameters::Parameters;
 use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;
-use crate::effects::{EffectPort, PerNode};
+use crate::effects::PerNode;
 use crate::line::Line;
 use crate::model::Fault;
 use crate::runtime::Halt;
 use crate::solver::split::{State, StepFailure};
 use crate::solver::stabilized::States;
 use crate::solver::{Cause, MOST_STEPS, no_solution};
-use crate::terms::Drivers;
 use declare::Group;
 
 /// A step fails if a rejected substep would have to be shorter than this fraction of it.
 const LEAST_SHARE: f64 = 1e-9;
 /// Largest change of the ambient temperature within a substep, K; the cooling has its midpoint value.
 const MOVE: f64 = 0.25;
-/// Number of parts of a step in which a law of the terms changes by its span. The midpoint rule of a law that rises by its
-/// span and falls again is exact to 2 / (8 x 32^2) of the span over the step, 2e-4.
-const PARTS: f64 = 32.0;
-/// Largest number of parts: a law far outside the data may change by many of its spans.
-const MOST_PARTS: f64 = 128.0;
 
 /// The motor before a step that may be undone. The network is apart, so that it is copied without an allocation.
-pub(super) struct Checkpoint {
+pub struct Checkpoint {
     motor: AnnulusCooledMotor,
     network: Option<Network>,
 }
@@ -57,90 +51,20 @@ impl AnnulusCooledMotor {
         self.own.network = network;
     }
 
-    /// A step without an event inside.
-    #[inline]
-    pub(super) fn advance(&mut self, time: f64, h: f64) -> Result<(), Halt> {
-        if let Some(fault) = &self.own.fault {
-            return Err(Halt::Fault(Fault(fault.clone())));
-        }
-        if !self.parameters.effects.acts_at(EffectPort::Any) {
-            self.follow_capacity();
-            return self.take_substeps(time, h);
-        }
-        let along = self.drivers_along(time, h)?;
-        let [from, _, to] = &along;
-        let parts = (PARTS * self.parameters.effects.change(from, to)).ceil();
-        if parts > 1.0 {
-            return self.advance_in_parts(time, h, parts.min(MOST_PARTS));
-        }
-        self.take_estimated(time, h, &along)
-    }
-
-    /// A step in which the drivers of the terms change much, in equal parts.
-    #[inline(never)]
-    fn advance_in_parts(&mut self, time: f64, h: f64, parts: f64) -> Result<(), Halt> {
-        let (before, slopes, part) = (self.checkpoint(), self.slopes, h / parts);
-        for k in 0..parts as usize {
-            self.put_slopes(slopes);
-            let at = time + k as f64 * part;
-            let taken = self.drivers_along(at, part).and_then(|along| self.take_estimated(at, part, &along));
-            if let Err(halt) = taken {
-                self.return_to(before);
-                return Err(halt);
-            }
-        }
-        self.time = time + h;
-        Ok(())
-    }
-
-    /// A step with estimated drivers.
-    fn take_estimated(&mut self, time: f64, h: f64, along: &[Drivers; 3]) -> Result<(), Halt> {
-        self.take_along(time, h, along)?;
-        // Current and speed have settled at the end of the lag's line. A lag that differs from it, if only by the error of the estimate,
-        // would give them derivatives of this difference over L/R.
-        if self.own.constants.holds_states && self.own.constants.has_fast_states() {
-            self.own.term_lags = along[2].lagged;
-        }
-        Ok(())
-    }
-
-    /// A step with the drivers at its start, on average and at its end.
-    pub(super) fn take_along(
-        &mut self,
-        time: f64,
-        h: f64,
-        [from, mean, to]: &[Drivers; 3],
-    ) -> Result<(), Halt> {
-        self.hold_drivers(mean);
-        let line = |k: usize| Line { start: from.lagged[k], slope: (to.lagged[k] - from.lagged[k]) / h };
-        self.own.lag_lines = Some((std::array::from_fn(line), time));
-        let taken = self.take_substeps(time, h);
-        self.own.lag_lines = None;
-        taken
-    }
-
     /// A step with the drivers already set.
     #[inline]
     pub(super) fn take_substeps(&mut self, time: f64, h: f64) -> Result<(), Halt> {
-        let effects = &self.parameters.effects;
-        let lagging = (effects.acts_at(EffectPort::Any) && effects.has_lags()).then(|| self.lag_start(h));
         if self.own.network.is_some() {
-            self.advance_in_pieces(time, h)?;
+            self.advance_in_pieces(time, h)
         } else if self.own.constants.are_plain(&self.slopes) {
             if self.is_sloping() || self.own.constants.drift() != 0.0 {
-                self.advance_two_nodes::<PLAIN_ALONE>(time, h)?;
+                self.advance_two_nodes::<PLAIN_ALONE>(time, h)
             } else {
-                self.advance_two_nodes::<PLAIN_STILL>(time, h)?;
+                self.advance_two_nodes::<PLAIN_STILL>(time, h)
             }
         } else {
-            self.advance_two_nodes::<ALL>(time, h)?;
+            self.advance_two_nodes::<ALL>(time, h)
         }
-        // The following is evaluated at the end of the step, where the inputs have their final values.
-        self.clear_slopes();
-        if let Some(start) = lagging {
-            self.follow_lags(&start, h);
-        }
-        Ok(())
     }
 
     fn advance_two_nodes<const FORM: u8>(&mut self, time: f64, h: f64) -> Result<(), Halt> {
@@ -150,7 +74,7 @@ impl AnnulusCooledMotor {
         let mut step = Step::<FORM>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time);
         step.excess = excess;
         if FORM == ALL {
-            step.lags = self.lags_from(time);
+            step.lags = self.own.lags.after(time);
         }
         let (before, sensed) = (self.own.state, self.sensed());
         let next = &mut self.own.state;
@@ -237,7 +161,7 @@ impl AnnulusCooledMotor {
         let (ambient, sensed) = (self.ambient(time), self.sensed());
         let still = !self.is_sloping();
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
-        let (excess, lags) = (self.mean_excess(h), self.lags_from(time));
+        let (excess, lags) = (self.mean_excess(h), self.own.lags.after(time));
         let Some(network) = &mut self.own.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);
         network.refresh(&self.parameters, &middle, at_middle, [0.0; 2]);

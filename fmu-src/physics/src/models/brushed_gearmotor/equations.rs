@@ -12,27 +12,32 @@
 //! single cycle in which the winding current decays to zero, at most a few L/R. The ripple is that of the periodic cycle. The
 //! supply power follows from the motor power (components/chopper.rs), so the energy balance also holds during transients.
 //!
-//! *Effects* act as in the other models, with these differences: drags act at the output shaft; the contact voltage drop is
-//! that at the mean current over the whole cycle; heat from winding or housing to "ambient" (radiation, forced convection)
-//! goes to the box, whose temperature is also the environment of the winding and housing sensors. `parameters.rs` lists the
-//! unsupported ports; their effects are no variables of this model.
+//! *Effects* act as in the other models, with these differences: drags act at the output shaft; voltage drops are those at the
+//! mean current over the whole cycle; heat from winding or housing to "ambient" (radiation, forced convection, conductance of
+//! a term) goes to the box, whose temperature is also the environment of the winding and housing sensors; heat of a term in
+//! winding or housing is taken from ambient. `parameters.rs` lists the unsupported ports; their effects are no variables of
+//! this model.
 //!
 //! Over one step every input is linear in time. `solver/split.rs` solves the equations; the crate `reference` solves
 //! [`Step::rates`] as the reference.
 
+mod driven;
 mod outputs;
 mod system;
 
-use super::nodes::{GEAR, HOUSING, Losses, NODES, Network, Temperatures, WINDING, account};
+use super::nodes::{GEAR, HOUSING, Losses, NODES, Network, Path, Temperatures, WINDING, account};
 use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::components::chopper::{Bridge, Cycle};
 use crate::components::validity::Limits;
-use crate::effects::{Number, PerNode};
+use crate::effects::{Acts, EffectPort, Number, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::line::Line;
 use crate::solver::split::{Fast, System};
+use crate::terms::{Driver, MOST_TERMS};
+use driven::Followed;
 use nalgebra::SVector;
+use system::Instant;
 
 /// Number of integrated energies: from the supply, to the load, to ambient, losses in the winding, friction losses.
 pub const ENERGIES: usize = 5;
@@ -42,6 +47,8 @@ pub type State = crate::solver::split::State<NODES, ENERGIES>;
 pub type Stored = SVector<f64, 3>;
 /// Number of states of [`Step::rates`]: current, speed, angle, temperatures, energies.
 pub const STATES: usize = 3 + NODES + ENERGIES;
+/// Number of states of the model: with the lags of terms.
+pub const ALL: usize = STATES + MOST_TERMS;
 
 /// Constants of the parameters.
 #[derive(Clone, Copy, Debug)]
@@ -56,14 +63,31 @@ pub struct Constants {
     inverse_capacity: Temperatures,
     /// Conductances of the effects from winding and housing to the box, W/K.
     to_box: PerNode,
+    /// Ports at which effects act.
+    acts: Acts,
+    /// Whether any effect gets the present drivers within a step.
+    driven: bool,
+    /// Whether an effect depends on drivers that follow the states and are constant over a step.
+    pub(super) holds_states: bool,
     /// Limits of validity.
     limits: Limits,
 }
 
+/// Drivers that follow the states; the others are inputs.
+const OF_STATES: [Driver; 6] = [
+    Driver::Speed,
+    Driver::Current,
+    Driver::WindingTemperature,
+    Driver::HousingTemperature,
+    Driver::CopperLoss,
+    Driver::FrictionLoss,
+];
+
 impl Constants {
     /// The constants of a gearmotor.
     pub fn of(parameters: &Parameters) -> Constants {
-        let motor = &parameters.motor;
+        let (motor, effects) = (&parameters.motor, &parameters.effects);
+        let acts = Acts::of(effects);
         let to_box = parameters.effects.ambient_conductance(0.0);
         let capacity =
             Network { thermal: &parameters.thermal, effects: &parameters.effects, to_box }.capacity();
@@ -73,8 +97,25 @@ impl Constants {
             capacity,
             inverse_capacity: capacity.map(|c| 1.0 / c),
             to_box,
+            acts,
+            driven: EffectPort::ALL.iter().any(|port| port.is_driven() && acts.at(*port)),
+            holds_states: OF_STATES.iter().any(|driver| effects.holds(*driver)),
             limits: parameters.limits(),
         }
+    }
+
+    /// The same with the heat capacities of winding and housing multiplied by `factor`.
+    pub(super) fn with_capacity(mut self, factor: f64) -> Constants {
+        for node in [WINDING, HOUSING] {
+            self.capacity[node] *= factor;
+            self.inverse_capacity[node] /= factor;
+        }
+        self
+    }
+
+    /// Heat stored in the nodes above the temperature `origin`, K, in J.
+    pub(super) fn heat(&self, temperature: &Temperatures, origin: f64) -> f64 {
+        self.capacity.dot(&temperature.add_scalar(-origin))
     }
 
     /// The thermal network.
@@ -100,10 +141,16 @@ pub struct Step<'a> {
     direction: f64,
     supply: Line,
     load: Line,
-    /// True ambient temperature, K.
+    /// True ambient temperature without the effect of terms, K.
     ambient: Line,
+    /// What terms add to it, K.
+    warmer: f64,
     /// Factor on the torque constant by demagnetisation, 1 without.
     strength: f64,
+    /// Time of the start of the step, s.
+    time: f64,
+    /// State of each term's lag, in the unit of its driver.
+    pub(super) lags: [Line; MOST_TERMS],
 }
 
 /// Evaluation of the equations at one instant.
@@ -111,6 +158,8 @@ pub struct Step<'a> {
 pub struct Point {
     /// The switching cycle.
     pub cycle: Cycle<f64>,
+    /// Resistance, Ohm, and torque constant at the output shaft, N.m/A.
+    pub constants: [f64; 2],
     /// Mean voltages, V: across resistance and contacts, across the inductance, back-EMF.
     pub voltages: [f64; 3],
     /// Powers into winding, magnetic field and air gap, W.
@@ -156,7 +205,10 @@ impl<'a> Step<'a> {
                 start: u.ambient_temperature + drift * time,
                 slope: s.ambient_temperature + drift,
             },
+            warmer: model.effects.ambient_offset(),
             strength: model.effects.torque_constant(time),
+            time,
+            lags: [Line::default(); MOST_TERMS],
         }
     }
 
@@ -182,20 +234,19 @@ impl<'a> Step<'a> {
         Bridge::new(&self.model.drive, self.duty.at(t), self.direction, self.supply.at(t))
     }
 
-    /// The switching cycle at the back-EMF `e`, V, including the contact voltage drop.
+    /// The switching cycle at the back-EMF `e`, V, including the voltage drop between terminals and winding, and the resistance `r`, Ohm.
     #[inline]
-    fn cycle<D: Number>(&self, t: f64, e: D, temperature: &Temperatures) -> Cycle<D> {
-        let motor = &self.model.motor;
-        self.bridge(t).cycle(e, motor.resistance(temperature[WINDING]), motor.L)
+    fn cycle<D: Number>(&self, t: f64, e: D, r: f64) -> Cycle<D> {
+        self.bridge(t).cycle(e, r, self.model.motor.L)
     }
 
-    /// Torque constant at the output shaft, N.m/A; the magnets have the temperature of the housing.
-    #[inline]
-    fn torque_constant(&self, temperature: &Temperatures) -> f64 {
-        self.model.motor.torque_constant(temperature[HOUSING]) * self.strength * self.model.gear.ratio
+    /// The heat paths, `t` seconds after the start of the step.
+    #[inline(always)]
+    fn paths(&self, t: f64, temperature: &Temperatures) -> impl IntoIterator<Item = Path> + use<> {
+        self.nodes().paths(self.ambient.at(t) + self.warmer, temperature)
     }
 
-    /// Drag torque at the output shaft, N.m.
+    /// Drag torque at the output shaft without that of terms, N.m.
     #[inline]
     fn drag(&self, t: f64, w: f64, temperature: &Temperatures) -> f64 {
         let (gear, effects, load) = (&self.model.gear, &self.model.effects, self.load.at(t));
@@ -206,8 +257,7 @@ impl<'a> Step<'a> {
     /// Stored energy, J: magnetic, kinetic, and heat above the temperature `origin`, K.
     pub fn stored(&self, state: &State, origin: f64) -> f64 {
         let (i, w) = (state.x[0], state.x[1]);
-        let heat = self.constants.capacity.dot(&state.temperature.add_scalar(-origin));
-        self.magnetic(i) + self.kinetic(w) + heat
+        self.magnetic(i) + self.kinetic(w) + self.constants.heat(&state.temperature, origin)
     }
 
     fn magnetic(&self, i: f64) -> f64 {
@@ -221,14 +271,11 @@ impl<'a> Step<'a> {
     /// Evaluates the equations at one instant.
     pub fn point(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Point {
         use Account::*;
-        let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
-        let (r, k) = (motor.resistance(temperature[WINDING]), self.torque_constant(temperature));
-        let lost = self.model.effects.terminal_voltage(i);
-        let cycle = self.cycle(t, k * w + lost, temperature);
-        let drag = self.drag(t, w, temperature);
+        let Instant { followed: Followed { r, k, lost, .. }, cycle, drag, .. } =
+            self.instant(t, x, temperature);
         let fast = self.fast_rates(t, x, temperature);
-        let voltages = [r * i + lost, motor.L * fast[0], k * w];
+        let voltages = [r * i + lost, self.model.motor.L * fast[0], k * w];
         let powers = [voltages[0] * i + r * cycle.ripple, voltages[1] * i, voltages[2] * i];
         // The bridge depends only on the terminals: mean voltage, mean current, and ripple loss.
         let taken = (k * w + lost + cycle.drive) * i + r * cycle.ripple;
@@ -249,13 +296,14 @@ impl<'a> Step<'a> {
         to_ambient += enter(&mut ledger, AirGap, Losses { friction: drag * w, ..Losses::default() });
         ledger.transfer(AirGap, Shaft, self.load.at(t) * w);
         ledger.transfer(AirGap, Kinetic, self.constants.inertia * w * fast[1]);
-        for path in self.nodes().paths(self.ambient.at(t), temperature) {
+        for path in self.paths(t, temperature) {
             ledger.transfer(Node(path.from), account(path.to), path.flow);
             to_ambient += if path.to.is_none() { path.flow } else { 0.0 };
         }
 
         Point {
             cycle,
+            constants: [r, k],
             voltages,
             powers,
             supply_power: supply.per_watt * taken + supply.per_ampere * i,

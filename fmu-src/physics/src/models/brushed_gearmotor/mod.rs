@@ -1,9 +1,11 @@
 //! A brushed gearmotor with an H-bridge, in an insulated box.
 //!
 //! `variables.rs` declares inputs and outputs, `parameters.rs` the parameters; `equations.rs` has the equations,
+//! `drivers.rs` the drivers of terms,
 //! `state_function.rs` the paper's state function, corrected and as published; `motor.rs` implements the interface of the
 //! runtime. The default values are those of preset bdcm-37d.
 
+mod drivers;
 mod equations;
 mod motor;
 mod nodes;

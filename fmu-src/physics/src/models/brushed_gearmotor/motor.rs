@@ -1,6 +1,7 @@
 //! The gearmotor as [`Equations`] of the runtime: steps, states and events.
 
-use super::equations::{Constants, STATES, State, Step, Stored};
+use super::drivers::refusal;
+use super::equations::{ALL, Constants, State, Step, Stored};
 use super::nodes::{HOUSING, LIST, Losses, NODES, WINDING};
 use super::parameters::{Parameters, unserved};
 use super::variables::{Indicators, Inputs, Outputs};
@@ -8,48 +9,61 @@ use crate::components::validity::Extremes;
 use crate::effects::IMMINENT;
 use crate::exchange::is_above;
 use crate::model::{Declaration, Declared, Fault};
-use crate::runtime::{Equations, Halt, NoVariables, Runtime};
+use crate::runtime::{Equations, Halt, Lags, NoVariables, Runtime};
 use crate::saved;
 use crate::solver::no_solution;
 use crate::solver::split::Split;
-use crate::terms::Drivers;
+use crate::terms::{Drivers, GenericTerm};
 use declare::{Named, State as Declare, index_of};
 
 /// Indices of the states: current and speed, angle, temperatures, energies.
 const ANGLE: usize = index_of(LIST, "state.shaft_angle");
 const FIRST_NODE: usize = index_of(LIST, "state.winding_temperature");
 const FIRST_ENERGY: usize = index_of(LIST, "state.energy_supply");
+const FIRST_LAG: usize = index_of(LIST, "state.term_lag");
 const _: () = assert!(FIRST_ENERGY == FIRST_NODE + NODES);
 
 /// The rows of the outputs by name.
 type Output = <Outputs as Named>::Row;
 
 /// The gearmotor.
-pub type BrushedGearmotor = Runtime<Gearmotor, STATES>;
+pub type BrushedGearmotor = Runtime<Gearmotor, ALL>;
 
 /// State between communication points.
 #[derive(Clone, Debug)]
 pub struct Gearmotor {
-    constants: Constants,
-    state: State,
+    pub(super) constants: Constants,
+    pub(super) state: State,
     /// Initial ambient temperature, K; reference of the stored heat.
-    t_start: f64,
-    stored_at_start: Stored,
+    pub(super) t_start: f64,
+    pub(super) stored_at_start: Stored,
+    /// Factor on the heat capacities of [`Constants`].
+    pub(super) capacity_factor: f64,
+    /// The lags of terms.
+    pub(super) lags: Lags,
     split: Split<NODES>,
 }
 
-saved!(Gearmotor { t_start, stored_at_start, state, split });
+saved!(Gearmotor { t_start, stored_at_start, capacity_factor, lags, state, split });
 
 /// Discrete states in Model Exchange.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Discrete {
     /// Sign of the duty at the last event.
     direction: f64,
     /// Whether the winding was above its limit at the last event.
     over_temperature: bool,
+    /// Factor on the heat capacities that the energy balance contains.
+    booked: f64,
 }
 
-saved!(Discrete { direction, over_temperature });
+saved!(Discrete { direction, over_temperature, booked });
+
+impl Default for Discrete {
+    fn default() -> Self {
+        Discrete { direction: 0.0, over_temperature: false, booked: 1.0 }
+    }
+}
 
 impl BrushedGearmotor {
     /// The state at the present time: current, A, speed, rad/s, angle, rad, temperatures, K, energies, J.
@@ -59,7 +73,17 @@ impl BrushedGearmotor {
 
     /// The equations over the next step, with linear inputs.
     pub fn step_equations(&self) -> Step<'_> {
-        let step = self.equations(self.time);
+        self.equations_of(&self.parameters, &self.own.constants)
+    }
+
+    /// The equations in the present state with other parameters, and what follows from them.
+    pub(super) fn equations_of<'a>(
+        &'a self,
+        parameters: &'a Parameters,
+        constants: &'a Constants,
+    ) -> Step<'a> {
+        let mut step = Step::new(parameters, constants, &self.inputs, &self.slopes, self.time);
+        step.lags = self.own.lags.after(self.time);
         match &self.pre {
             Some(pre) => {
                 // A duty that has just left zero determines the direction by its sign.
@@ -71,8 +95,24 @@ impl BrushedGearmotor {
         }
     }
 
-    fn equations(&self, time: f64) -> Step<'_> {
-        Step::new(&self.parameters, &self.own.constants, &self.inputs, &self.slopes, time)
+    /// A step without an event inside, with the drivers of terms already set.
+    pub(super) fn take(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+        let Runtime { parameters, inputs, slopes, own, .. } = &mut *self;
+        let Gearmotor { constants, state, split, lags, .. } = own;
+        let before = *state;
+        let mut step = Step::new(parameters, constants, inputs, slopes, time);
+        step.lags = lags.after(time);
+        if let Err(failure) = split.advance(&step, state, h) {
+            *state = before;
+            let now = [before.x[0], before.x[1], before.temperature[WINDING]];
+            return Err(no_solution("gearmotor", time, &failure, now).into());
+        }
+        if self.own.constants.limits().are_passed(&self.extremes()) {
+            self.own.state = before;
+            return Err(Halt::Limit);
+        }
+        self.arrive(time + h, h);
+        Ok(())
     }
 
     /// Present stored energies, as a reference of the energy balance.
@@ -87,7 +127,7 @@ impl BrushedGearmotor {
     }
 }
 
-impl Equations<STATES> for Gearmotor {
+impl Equations<ALL> for Gearmotor {
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -116,6 +156,8 @@ impl Equations<STATES> for Gearmotor {
             state: State::default(),
             t_start: 0.0,
             stored_at_start: Stored::zeros(),
+            capacity_factor: 1.0,
+            lags: Lags::default(),
             split: Split::default(),
         }
     }
@@ -126,36 +168,31 @@ impl Equations<STATES> for Gearmotor {
             return Err(Fault(fault));
         }
         let drift = parameters.effects.ambient_sensor() * run.time;
-        let t_start = run.inputs.ambient_temperature + drift;
-        let state = parameters.initial.state(t_start);
-        run.own = Gearmotor { state, t_start, ..Gearmotor::new(parameters) };
+        let indicated = run.inputs.ambient_temperature + drift;
+        let initial = |run: &BrushedGearmotor, ambient| run.parameters.initial.state(ambient);
+        run.own = Gearmotor { state: initial(run, indicated), ..Gearmotor::new(&run.parameters) };
+        // Terms may change the ambient temperature, and depend on the initial temperatures.
+        run.set_drivers(run.time);
+        let t_start = indicated + run.parameters.effects.ambient_offset();
+        (run.own.state, run.own.t_start) = (initial(run, t_start), t_start);
+        run.set_drivers(run.time);
+        run.start_lags();
         run.own.stored_at_start = run.stored();
         Ok(())
     }
 
     fn advance(run: &mut BrushedGearmotor, time: f64, h: f64) -> Result<(), Halt> {
-        let Runtime { parameters, inputs, slopes, own, .. } = &mut *run;
-        let Gearmotor { constants, state, split, .. } = own;
-        let before = *state;
-        let step = Step::new(parameters, constants, inputs, slopes, time);
-        if let Err(failure) = split.advance(&step, state, h) {
-            *state = before;
-            let now = [before.x[0], before.x[1], before.temperature[WINDING]];
-            return Err(no_solution("gearmotor", time, &failure, now).into());
-        }
-        if run.own.constants.limits().are_passed(&run.extremes()) {
-            run.own.state = before;
-            return Err(Halt::Limit);
-        }
-        run.arrive(time + h, h);
-        Ok(())
+        run.advance_driven(time, h)
     }
 
     fn point(_: &BrushedGearmotor) {}
 
     fn outputs(run: &BrushedGearmotor, (): &()) -> Outputs {
         let own = &run.own;
-        let mut outputs = run.step_equations().outputs(&own.state, own.t_start, &own.stored_at_start);
+        let mut outputs = run.observe(|step, gained| {
+            let at_start = own.stored_at_start + Stored::new(gained, 0.0, 0.0);
+            step.outputs(&own.state, own.t_start, &at_start)
+        });
         if let Some(pre) = &run.pre {
             outputs.over_temperature = pre.discrete.over_temperature;
         }
@@ -172,7 +209,7 @@ impl Equations<STATES> for Gearmotor {
             Output::shaft_angle => Some(state.angle),
             Output::shaft_speed => Some(state.x[1]),
             _ => {
-                let node = Outputs::node(output)?;
+                let node = Outputs::node(output).filter(|_| !run.is_told())?;
                 Some(run.own.constants.nodes(&run.parameters).indicated(node, &state.temperature))
             }
         }
@@ -194,8 +231,18 @@ impl Equations<STATES> for Gearmotor {
     fn set_parameter(run: &mut BrushedGearmotor, set: impl FnOnce(&mut Parameters) -> bool) -> bool {
         let before = run.stored();
         let taken = set(&mut run.parameters);
-        run.own.constants = Constants::of(&run.parameters);
+        run.follow_parameters();
         run.own.stored_at_start = run.own.stored_at_start + run.stored() - before;
+        taken
+    }
+
+    fn refusal(term: &GenericTerm) -> Option<&'static str> {
+        refusal(term)
+    }
+
+    fn set_terms(run: &mut BrushedGearmotor, terms: &[GenericTerm]) -> bool {
+        let taken = run.parameters.effects.take_terms(terms);
+        run.follow_parameters();
         taken
     }
 
@@ -205,7 +252,8 @@ impl Equations<STATES> for Gearmotor {
             0 | 1 => state.x[k],
             ANGLE => state.angle,
             FIRST_NODE..FIRST_ENERGY => state.temperature[k - FIRST_NODE],
-            _ => state.energy[k - FIRST_ENERGY],
+            FIRST_ENERGY..FIRST_LAG => state.energy[k - FIRST_ENERGY],
+            _ => run.lag_state(k - FIRST_LAG),
         }
     }
 
@@ -215,17 +263,27 @@ impl Equations<STATES> for Gearmotor {
             0 | 1 => state.x[k] = value,
             ANGLE => state.angle = value,
             FIRST_NODE..FIRST_ENERGY => state.temperature[k - FIRST_NODE] = value,
-            _ => state.energy[k - FIRST_ENERGY] = value,
+            FIRST_ENERGY..FIRST_LAG => state.energy[k - FIRST_ENERGY] = value,
+            _ => run.put_lag_state(k - FIRST_LAG, value),
         }
     }
 
-    fn is_coupled(k: usize) -> bool {
-        k != ANGLE && k < FIRST_ENERGY
+    fn moves(run: &BrushedGearmotor, k: usize) -> bool {
+        k < FIRST_LAG || run.has_lag(k - FIRST_LAG)
     }
 
-    fn rates(run: &BrushedGearmotor, (): &()) -> Result<[f64; STATES], Fault> {
-        let all = std::array::from_fn(|k| Self::state(run, k));
-        Ok(run.step_equations().rates(0.0, &all))
+    fn is_coupled(k: usize) -> bool {
+        k != ANGLE && !(FIRST_ENERGY..FIRST_LAG).contains(&k)
+    }
+
+    fn rates(run: &BrushedGearmotor, (): &()) -> Result<[f64; ALL], Fault> {
+        Ok(run.observe(|step, _| {
+            let now = std::array::from_fn(|k| Self::state(run, k));
+            let mut all = [0.0; ALL];
+            all[..FIRST_LAG].copy_from_slice(&step.rates(0.0, &now));
+            all[FIRST_LAG..].copy_from_slice(&run.lag_rates(|| step.heat_flows(&run.own.state)));
+            all
+        }))
     }
 
     fn next_event(run: &BrushedGearmotor, time: f64) -> f64 {
@@ -246,12 +304,30 @@ impl Equations<STATES> for Gearmotor {
         }
     }
 
-    fn discrete(run: &BrushedGearmotor, _: &Discrete) -> Discrete {
+    fn discrete_before(run: &BrushedGearmotor) -> Discrete {
+        Discrete { booked: run.own.capacity_factor, ..Discrete::default() }
+    }
+
+    fn discrete(run: &BrushedGearmotor, before: &Discrete) -> Discrete {
         let duty = run.inputs.duty;
         let warming = || Self::rates(run, &()).map_or(f64::NAN, |rates| rates[FIRST_NODE + WINDING]);
         Discrete {
             direction: if duty == 0.0 { 0.0 } else { duty.signum() },
             over_temperature: is_above(Self::indicators(run, &()).over_temperature, warming),
+            booked: before.booked,
+        }
+    }
+
+    /// The energy balance excludes the change of stored heat when a term changes the heat capacities.
+    fn accept_step(run: &mut BrushedGearmotor) {
+        run.set_drivers(run.time);
+        let present = run.heat(&run.own.constants);
+        let factor = run.own.capacity_factor;
+        if let Some(pre) = &mut run.pre {
+            let booked = std::mem::replace(&mut pre.discrete.booked, factor);
+            let before = Constants::of(&run.parameters).with_capacity(booked);
+            run.own.stored_at_start[0] += present - run.heat(&before);
+            run.outdate();
         }
     }
 
@@ -273,7 +349,7 @@ impl Equations<STATES> for Gearmotor {
     }
 
     fn restored(run: &mut BrushedGearmotor, _: &mut impl FnMut() -> Option<f64>) -> Option<()> {
-        run.own.constants = Constants::of(&run.parameters);
+        run.follow_parameters();
         Some(())
     }
 
@@ -290,16 +366,6 @@ impl Equations<STATES> for Gearmotor {
     }
 
     fn drivers(run: &BrushedGearmotor) -> Drivers {
-        let (x, temperature) = (&run.own.state.x, &run.own.state.temperature);
-        Drivers {
-            speed: x[1],
-            current: x[0],
-            load_torque: run.inputs.load_torque,
-            winding_temperature: temperature[WINDING],
-            housing_temperature: temperature[HOUSING],
-            ambient_temperature: run.inputs.ambient_temperature,
-            time: run.time,
-            ..Drivers::default()
-        }
+        run.observe(|step, _| run.drivers_with(step.heat_flows(&run.own.state)))
     }
 }

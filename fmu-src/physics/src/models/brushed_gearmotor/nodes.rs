@@ -9,7 +9,8 @@ use crate::components::validity::Limits;
 use crate::effects::{Effects, PerNode};
 use crate::ledger::{Account, MOST_NODES};
 use crate::solver::split::{self, Fast};
-use declare::{Unit, Variable, states, variables};
+use crate::terms::MOST_TERMS;
+use declare::{Elements, Unit, Variable, states, variables};
 use nalgebra::SVector;
 
 /// Passes the list of the nodes to a macro: what each node is, its index, and the name of its temperature; value reference of the output;
@@ -78,6 +79,8 @@ macro_rules! declare_nodes {
                 "state.work_electrical" = declare::State::new(710, 810, Unit::Joule).unbounded().nominal(100.0, 10.0),
                 /// Friction losses since the start
                 "state.work_friction" = declare::State::new(711, 811, Unit::Joule).unbounded().nominal(100.0, 1.0),
+                /// Lagged driver of each term of resources/effects.json, divided by a typical value of the driver; constant without a lag
+                "state.term_lag" = declare::State::new(713, 813, Unit::One).elements(Elements::Fixed(3)),
             }
         }
 
@@ -92,6 +95,13 @@ macro_rules! declare_nodes {
                 shaft_speed: f64 = Variable::fixed(4, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(10.0),
                 /// Initial angle of the output shaft
                 shaft_angle: f64 = Variable::fixed(5, 0.0, Unit::Radian, -1e9, 1e9).nominal(100.0),
+                /// Initial lagged driver of term 1 of resources/effects.json less its driver, divided by a typical value of the driver as
+                /// state.term_lag[1] is; without effect if the term has no lag
+                term_lag_1: f64 = Variable::fixed(16, 0.0, Unit::One, -1e6, 1e6),
+                /// Initial lagged driver of term 2 of resources/effects.json less its driver, as initial.term_lag_1
+                term_lag_2: f64 = Variable::fixed(17, 0.0, Unit::One, -1e6, 1e6),
+                /// Initial lagged driver of term 3 of resources/effects.json less its driver, as initial.term_lag_1
+                term_lag_3: f64 = Variable::fixed(18, 0.0, Unit::One, -1e6, 1e6),
             }
         }
 
@@ -126,6 +136,11 @@ const _: () = assert!(NODES <= MOST_NODES);
 pub type Temperatures = SVector<f64, NODES>;
 
 impl Initial {
+    /// What the lagged driver of each term exceeds its driver by, divided by a typical value of the driver.
+    pub(super) fn term_lags(&self) -> [f64; MOST_TERMS] {
+        [self.term_lag_1, self.term_lag_2, self.term_lag_3]
+    }
+
     /// Initial values outside the limits of validity, in one sentence.
     pub(super) fn fault(&self, limits: &Limits) -> Option<String> {
         let nodes: [_; NODES] = std::array::from_fn(|k| (INITIAL[k], self.nodes()[k]));
@@ -233,7 +248,7 @@ impl Network<'_> {
     /// The heat paths with ambient at `ambient`, K.
     // Inlined, so that derivatives are computed only where they are used.
     #[inline(always)]
-    pub fn paths(&self, ambient: f64, temperature: &Temperatures) -> impl IntoIterator<Item = Path> {
+    pub fn paths(&self, ambient: f64, temperature: &Temperatures) -> impl IntoIterator<Item = Path> + use<> {
         let Network { thermal, effects, to_box } = *self;
         let (t_w, t_h, t_b) = (temperature[WINDING], temperature[HOUSING], temperature[BOX]);
         let path = |from, to, flow, slopes| Path { from, to, flow, slopes };
@@ -245,7 +260,8 @@ impl Network<'_> {
         let cold = share / thermal.R_wh;
         let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
         let to_box_of_housing = thermal.G_hb + to_box.housing;
-        // Net radiation is antisymmetric in the two temperatures, so its second derivative follows by exchanging them.
+        // Net radiation is antisymmetric in the two temperatures, so its second derivative follows by exchanging them; that of a term over
+        // the housing's temperature is approximate, and of the Jacobian only.
         let [flow, to_hot, to_cold] = [
             effects.housing_to_ambient(t_h, t_b),
             effects.housing_to_ambient_slope(t_h, t_b),
@@ -262,6 +278,8 @@ impl Network<'_> {
             ),
             conductance(BOX, None, thermal.G_ba),
             conductance(GEAR, Some(HOUSING), self.own(GEAR, 1.0 / thermal.R_gh)),
+            path(WINDING, None, -effects.winding_heat(), [0.0; 2]),
+            path(HOUSING, None, -effects.housing_heat(t_h), [-effects.housing_heat_slope(t_h), 0.0]),
         ]
     }
 }

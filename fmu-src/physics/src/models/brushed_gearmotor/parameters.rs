@@ -44,16 +44,11 @@ fn reason(port: EffectPort) -> Option<&'static str> {
     match port {
         DragTorque | LoadDrag | TerminalVoltage | TorqueConstant | WindingHousingResistance => None,
         AmbientConductance | HousingToAmbient | AmbientSensor | WindingSensor | HousingSensor => None,
-        TorqueSensor => None,
-        Any => Some(
-            "it takes neither terms from data nor effects that follow its states; its other effects (effect.*) act as parameters",
-        ),
-        StatorLoss | PowerModeLoad => Some("no power is imposed; the current carries losses and torque"),
+        TorqueSensor | Any => None,
+        // Terms from data alone act at these.
         WindingHeat | HousingHeat | HeatCapacity | DrivenDrag | DrivenVoltage | SeriesVoltage
-        | DrivenTorqueConstant => {
-            Some("it takes no terms from data; its other effects (effect.*) act as parameters")
-        }
-        WindingResistance => Some("motor.R_ref and motor.alpha are the resistance of the winding"),
+        | WindingResistance | DrivenTorqueConstant => None,
+        StatorLoss | PowerModeLoad => Some("no power is imposed; the current carries losses and torque"),
         WarmDrag => {
             Some("the friction of its grease is gear.B, which follows the temperature with gear.T_ref")
         }

@@ -32,6 +32,27 @@ impl<const N: usize, const E: usize> Default for State<N, E> {
     }
 }
 
+impl<const N: usize, const E: usize> State<N, E> {
+    /// Current, speed and temperatures in the middle of the last call, over `h` seconds, in which each was a parabola with the mean that the
+    /// integrator found; `from` is the state at the start. The rest is that of the end.
+    pub fn middle(&self, from: &Self, h: f64) -> Self {
+        let (x, temperature) = (&self.integrals.fast, &self.integrals.temperature);
+        State {
+            x: middle_of(from.x, *x, self.x, h),
+            temperature: middle_of(from.temperature, *temperature, self.temperature, h),
+            ..*self
+        }
+    }
+}
+
+/// Middle value of a parabola between two values with this integral over `h` seconds.
+pub fn middle_of<T>(from: T, integral: T, to: T, h: f64) -> T
+where
+    T: std::ops::Mul<f64, Output = T> + std::ops::Div<f64, Output = T> + std::ops::Sub<Output = T>,
+{
+    (integral * 6.0 / h - from - to) * 0.25
+}
+
 /// Integrals over one call to [`super::Split::advance`]; the next call does not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepIntegrals<const N: usize> {

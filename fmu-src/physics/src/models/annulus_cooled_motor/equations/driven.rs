@@ -4,16 +4,6 @@ use super::{CORE, Step, Temperatures, WINDING};
 use crate::solver::split::Fast;
 use crate::terms::{Driver, Drivers};
 
-/// Derivatives with respect to current and speed by the terms alone.
-pub(super) struct DrivenSlopes {
-    /// Of the voltages of resistance and contacts, V/A and V.s/rad.
-    pub volts: Fast,
-    /// Of the back-EMF, V/A and V.s/rad.
-    pub back_emf: Fast,
-    /// Of the torque at the shaft, N.m/A and N.m.s/rad.
-    pub torque: Fast,
-}
-
 impl<const FORM: u8> Step<'_, FORM> {
     /// Whether effects at driven ports may act on current and speed.
     #[inline(always)]
@@ -80,8 +70,8 @@ impl<const FORM: u8> Step<'_, FORM> {
         self.model.motor.torque_constant(self.magnets(t, temperature)) * self.strength * factor
     }
 
-    /// What the terms add to the Jacobian of current and speed. Without it, the integrator would follow their changes in explicit steps,
-    /// as short as L/R.
+    /// What the terms add to the Jacobian of current and speed, before it is divided by inductance and inertia; the back-EMF opposes the
+    /// source in the ratio `share`.
     #[inline(never)]
     pub(super) fn driven_slopes(
         &self,
@@ -89,26 +79,17 @@ impl<const FORM: u8> Step<'_, FORM> {
         x: &Fast,
         temperature: &Temperatures,
         drivers: &Drivers,
-    ) -> DrivenSlopes {
-        let effects = self.ports();
+        share: f64,
+    ) -> [Fast; 2] {
+        let motor = &self.model.motor;
         // Load torque of an imposed speed: proportional to the current.
-        let per_ampere = match self.is_free() {
-            true => 0.0,
-            false => self.model.motor.torque_constant(drivers.housing_temperature),
-        };
-        let by_both = |of: &dyn Fn(Driver) -> f64| {
-            let through_load = if per_ampere == 0.0 { 0.0 } else { per_ampere * of(Driver::LoadTorque) };
-            Fast::new(of(Driver::Current) + through_load, of(Driver::Speed))
-        };
-        let r = self.model.motor.resistance(temperature[WINDING] + self.excess);
-        let k = self.model.motor.torque_constant(self.magnets(t, temperature)) * self.strength;
-        let volts = by_both(&|by| {
-            x[0] * r * effects.winding_resistance_slope(drivers.of(by), by, drivers)
-                + effects.driven_voltage_slope(drivers.of(by), by, drivers)
-                + effects.series_voltage_slope(drivers.of(by), by, drivers)
-        });
-        let strength = by_both(&|by| k * effects.driven_torque_constant_slope(drivers.of(by), by, drivers));
-        let drag = by_both(&|by| effects.driven_drag_slope(drivers.of(by), by, drivers));
-        DrivenSlopes { volts, back_emf: strength * x[1], torque: strength * x[0] - drag }
+        let per_ampere =
+            if self.is_free() { 0.0 } else { motor.torque_constant(drivers.housing_temperature) };
+        let slopes = self.ports().driven_slopes(drivers, per_ampere);
+        let r = motor.resistance(temperature[WINDING] + self.excess);
+        let k = motor.torque_constant(self.magnets(t, temperature)) * self.strength;
+        let volts =
+            slopes.resistance * (x[0] * r) + slopes.voltage + slopes.torque_constant * (k * x[1] * share);
+        [volts, slopes.torque_constant * (k * x[0]) - slopes.drag]
     }
 }

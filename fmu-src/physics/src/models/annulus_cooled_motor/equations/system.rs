@@ -74,9 +74,8 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
             return matrix;
         }
         let drivers = self.drivers(t, x, temperature);
-        let driven = self.driven_slopes(t, x, temperature, &drivers);
-        let volts = driven.volts + driven.back_emf * (1.0 - followed);
-        matrix + Matrix2::new(-volts[0] * l, -volts[1] * l, driven.torque[0] * j, driven.torque[1] * j)
+        let [volts, torque] = self.driven_slopes(t, x, temperature, &drivers, 1.0 - followed);
+        matrix + Matrix2::new(-volts[0] * l, -volts[1] * l, torque[0] * j, torque[1] * j)
     }
 
     #[inline(always)]

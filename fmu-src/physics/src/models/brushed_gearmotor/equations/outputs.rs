@@ -12,6 +12,12 @@ impl Step<'_> {
         Stored::new(self.stored(state, origin), self.magnetic(state.x[0]), self.kinetic(state.x[1]))
     }
 
+    /// Copper loss and friction loss, W.
+    pub fn heat_flows(&self, state: &State) -> [f64; 2] {
+        let p = self.point(0.0, &state.x, &state.temperature);
+        [p.powers[0], p.drag * state.x[1]]
+    }
+
     /// The outputs at the start of the step.
     pub fn outputs(&self, state: &State, origin: f64, at_start: &Stored) -> Outputs {
         use Account::*;
@@ -63,8 +69,8 @@ impl Step<'_> {
             energy_heat_to_ambient: energy_heat,
             winding_margin: self.model.thermal.T_w_max - t_w,
             over_temperature: t_w > self.model.thermal.T_w_max,
-            winding_resistance: self.model.motor.resistance(t_w),
-            torque_constant: self.torque_constant(temperature),
+            winding_resistance: p.constants[0],
+            torque_constant: p.constants[1],
             conduction: p.cycle.conducting,
             current_rms: (i * i + p.cycle.ripple).sqrt(),
             ..Outputs::of_nodes(std::array::from_fn(|node| nodes.indicated(node, temperature)))

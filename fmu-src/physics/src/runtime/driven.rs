@@ -1,0 +1,338 @@
+//! Terms from data in a model: their drivers over a step, and the states of their lags.
+//!
+//! At the ports of current and speed the equations evaluate the drivers at every stage of a step. Elsewhere the drivers are constant
+//! over a step, at their mean; where they follow states, a trial step gives it. A step in which a term changes much is divided.
+
+use super::{Equations, Halt, Runtime};
+use crate::components::sensor::{lagged, mean_lagged};
+use crate::effects::{EffectPort, Effects};
+use crate::line::Line;
+use crate::saved;
+use crate::terms::{Drivers, Lag, MOST_TERMS};
+use declare::Group;
+
+/// Number of parts of a step in which a law of the terms changes by its span. The midpoint rule of a law that rises by its
+/// span and falls again is exact to 2 / (8 x 32^2) of the span over the step, 2e-4.
+const PARTS: f64 = 32.0;
+/// Largest number of parts: a law far outside the data may change by many of its spans.
+const MOST_PARTS: f64 = 128.0;
+
+/// The lags of a model's terms.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lags {
+    /// State of each term's lag, in the unit of its driver.
+    now: [f64; MOST_TERMS],
+    /// The same over the present step, as lines from this time on; none between the steps.
+    over_step: Option<([Line; MOST_TERMS], f64)>,
+    /// Mean of each over the last step; the next step does not depend on it.
+    mean: [f64; MOST_TERMS],
+}
+
+saved!(Lags { now });
+
+impl Lags {
+    /// The lags from `time` on: lines within a step, constant between the steps.
+    pub fn after(&self, time: f64) -> [Line; MOST_TERMS] {
+        match &self.over_step {
+            Some((lines, since)) => lines.map(|line| Line { start: line.at(time - since), ..line }),
+            None => self.now.map(|start| Line { start, slope: 0.0 }),
+        }
+    }
+}
+
+/// A model at whose ports terms from data act.
+pub trait Driven<const N: usize>: Equations<N> {
+    /// The states at one instant that drivers and heat flows follow.
+    type Instant: Copy;
+    /// The model before a step that may be undone.
+    type Checkpoint;
+
+    /// The effects, which evaluate the terms.
+    fn effects(parameters: &Self::Parameters) -> &Effects;
+    /// What the lag of each term exceeds its driver by at the start, divided by a typical value of the driver.
+    fn lags_above(parameters: &Self::Parameters) -> [f64; MOST_TERMS];
+    /// The lags.
+    fn lags(&self) -> &Lags;
+    /// The lags, to change them.
+    fn lags_mut(&mut self) -> &mut Lags;
+    /// Whether a step holds a driver constant that follows states.
+    fn holds_states(&self) -> bool;
+    /// Whether current or speed is a state.
+    fn has_fast_states(&self) -> bool;
+
+    /// The present states.
+    fn instant(run: &Runtime<Self, N>) -> Self::Instant;
+    /// Replaces the present states.
+    fn put_instant(run: &mut Runtime<Self, N>, at: Self::Instant);
+    /// The states in the middle of the last step, which began `h` seconds ago in the state `from`.
+    fn middle(run: &Runtime<Self, N>, from: &Self::Instant, h: f64) -> Self::Instant;
+    /// The drivers at `time` with these inputs and states; heat flows and lags are zero.
+    fn drivers_of(run: &Runtime<Self, N>, time: f64, inputs: &Self::Inputs, at: &Self::Instant) -> Drivers;
+    /// Replaces means over the last step, of `h` seconds, by those that its integrals give exactly.
+    fn improve_mean(run: &Runtime<Self, N>, mean: &mut Drivers, h: f64);
+    /// Present copper loss and friction loss, W.
+    fn heat_flows(run: &Runtime<Self, N>) -> [f64; 2];
+    /// Sets the drivers that effects hold constant.
+    fn hold(run: &mut Runtime<Self, N>, drivers: &Drivers);
+    /// Updates the heat capacities to the drivers.
+    fn follow_capacity(run: &mut Runtime<Self, N>);
+    /// A step with the drivers already set.
+    ///
+    /// # Errors
+    /// As [`Equations::advance`].
+    fn take(run: &mut Runtime<Self, N>, time: f64, h: f64) -> Result<(), Halt>;
+    /// The present state, for [`return_to`](Driven::return_to).
+    fn checkpoint(run: &mut Runtime<Self, N>) -> Self::Checkpoint;
+    /// Undoes what happened since.
+    fn return_to(run: &mut Runtime<Self, N>, before: Self::Checkpoint);
+}
+
+/// Start of a step, for the lags.
+struct LagStart<M: Driven<N>, const N: usize> {
+    /// Input of each lag.
+    sources: [f64; MOST_TERMS],
+    /// Inputs of the model in the middle of the step.
+    middle: M::Inputs,
+    at: M::Instant,
+}
+
+impl<M: Driven<N>, const N: usize> Runtime<M, N> {
+    /// Whether an effect depends on drivers.
+    #[inline(always)]
+    pub(crate) fn is_told(&self) -> bool {
+        M::effects(&self.parameters).acts_at(EffectPort::Any)
+    }
+
+    /// Sets the drivers of the terms to their values at `time` and updates the heat capacities.
+    #[inline]
+    pub(crate) fn set_drivers(&mut self, time: f64) {
+        if self.is_told() {
+            let drivers = self.drivers_after(time, 0.0);
+            M::hold(self, &drivers);
+        }
+        M::follow_capacity(self);
+    }
+
+    /// A step without an event inside.
+    #[inline]
+    pub(crate) fn advance_driven(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+        if !self.is_told() {
+            M::follow_capacity(self);
+            return self.take_step(time, h);
+        }
+        let along = self.drivers_along(time, h)?;
+        let [from, _, to] = &along;
+        let parts = (PARTS * M::effects(&self.parameters).change(from, to)).ceil();
+        if parts > 1.0 {
+            return self.advance_in_parts(time, h, parts.min(MOST_PARTS));
+        }
+        self.take_estimated(time, h, &along)
+    }
+
+    /// A step in which the drivers of the terms change much, in equal parts.
+    #[inline(never)]
+    fn advance_in_parts(&mut self, time: f64, h: f64, parts: f64) -> Result<(), Halt> {
+        let (before, slopes, part) = (M::checkpoint(self), self.slopes, h / parts);
+        for k in 0..parts as usize {
+            self.put_slopes(slopes);
+            let at = time + k as f64 * part;
+            let taken = self.drivers_along(at, part).and_then(|along| self.take_estimated(at, part, &along));
+            if let Err(halt) = taken {
+                M::return_to(self, before);
+                return Err(halt);
+            }
+        }
+        self.time = time + h;
+        Ok(())
+    }
+
+    /// A step with estimated drivers.
+    fn take_estimated(&mut self, time: f64, h: f64, along: &[Drivers; 3]) -> Result<(), Halt> {
+        self.take_along(time, h, along)?;
+        // Current and speed have settled at the end of the lag's line. A lag that differs from it, if only by the error of the estimate,
+        // would give them derivatives of this difference over L/R.
+        if self.own.holds_states() && self.own.has_fast_states() {
+            self.own.lags_mut().now = along[2].lagged;
+        }
+        Ok(())
+    }
+
+    /// A step with the drivers at its start, on average and at its end.
+    fn take_along(&mut self, time: f64, h: f64, [from, mean, to]: &[Drivers; 3]) -> Result<(), Halt> {
+        M::hold(self, mean);
+        M::follow_capacity(self);
+        let line = |k: usize| Line { start: from.lagged[k], slope: (to.lagged[k] - from.lagged[k]) / h };
+        self.own.lags_mut().over_step = Some((std::array::from_fn(line), time));
+        let taken = self.take_step(time, h);
+        self.own.lags_mut().over_step = None;
+        taken
+    }
+
+    /// A step with the drivers already set, and of the lags.
+    #[inline]
+    fn take_step(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+        let is_lagging = self.is_told() && M::effects(&self.parameters).has_lags();
+        let start = is_lagging.then(|| self.lag_start(h));
+        M::take(self, time, h)?;
+        // The following is evaluated at the end of the step, where the inputs have their final values.
+        self.clear_slopes();
+        if let Some(start) = start {
+            self.follow_lags(&start, h);
+        }
+        Ok(())
+    }
+
+    /// The lag of each term, if it has one.
+    fn lags_of_terms(&self) -> [Option<Lag>; MOST_TERMS] {
+        std::array::from_fn(|k| M::effects(&self.parameters).lag(k))
+    }
+
+    /// Drivers of the terms at the start, on average and at the end of a step of `h` seconds. Where they follow states, a trial step gives
+    /// the others, so that constant drivers are of second order in the step, also if they follow a current that changes within milliseconds.
+    fn drivers_along(&mut self, time: f64, h: f64) -> Result<[Drivers; 3], Halt> {
+        let from = self.drivers_after(time, 0.0);
+        let mut to = self.drivers_after(time, h);
+        let mut mean = from.middle(&to);
+        let (lags, holds_states) = (self.lags_of_terms(), self.own.holds_states());
+        // First estimate of the lags of states: their drivers stay as they are.
+        let present = if holds_states { self.lag_sources() } else { [0.0; MOST_TERMS] };
+        for (k, lag) in lags.iter().enumerate() {
+            let Some(Lag { driver, tau, .. }) = *lag else { continue };
+            let source = match holds_states {
+                true => [present[k]; 3],
+                false => [&from, &mean, &to].map(|drivers| drivers.of(driver)),
+            };
+            to.lagged[k] = lagged(from.lagged[k], tau, source, h);
+            mean.lagged[k] = mean_lagged([from.lagged[k], to.lagged[k]], tau, source, h);
+        }
+        if !holds_states {
+            return Ok([from, mean, to]);
+        }
+        let before = M::checkpoint(self);
+        let taken = self.take_along(time, h, &[from, mean, to]);
+        to = self.drivers_after(time + h, 0.0);
+        mean = Drivers { lagged: self.own.lags().mean, ..from.middle(&to) };
+        M::improve_mean(self, &mut mean, h);
+        M::return_to(self, before);
+        taken?;
+        Ok([from, mean, to])
+    }
+
+    /// Drivers of the terms with the present states and the inputs `h` seconds after `time`.
+    pub(crate) fn drivers_after(&self, time: f64, h: f64) -> Drivers {
+        let inputs = self.inputs_after(h);
+        // Heat flows are available only after the effects have their drivers; lags alone use them ([`Self::lag_sources`]).
+        let drivers = M::drivers_of(self, time + h, &inputs, &M::instant(self));
+        Drivers { lagged: self.own.lags().now, ..drivers }
+    }
+
+    /// The inputs after `h` seconds.
+    fn inputs_after(&self, h: f64) -> M::Inputs {
+        if h > 0.0 && self.is_sloping() { self.inputs.after(h, &self.slopes) } else { self.inputs }
+    }
+
+    /// Present drivers of the terms, with these heat flows.
+    pub(crate) fn drivers_with(&self, [copper_loss, friction_loss]: [f64; 2]) -> Drivers {
+        Drivers { copper_loss, friction_loss, ..self.drivers_after(self.time, 0.0) }
+    }
+
+    /// Present input of each term's lag; 0 without a lag.
+    fn lag_sources(&self) -> [f64; MOST_TERMS] {
+        self.sources_of(self.drivers_after(self.time, 0.0), || M::heat_flows(self))
+    }
+
+    /// Input of each term's lag with these drivers; the heat flows are evaluated only for a lag that needs them.
+    fn sources_of(&self, mut drivers: Drivers, heat_flows: impl FnOnce() -> [f64; 2]) -> [f64; MOST_TERMS] {
+        let lags = self.lags_of_terms();
+        if lags.iter().flatten().any(|lag| lag.driver.is_heat()) {
+            [drivers.copper_loss, drivers.friction_loss] = heat_flows();
+        }
+        lags.map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
+    }
+
+    /// Initialises each lag at the value of its driver and what `initial.term_lag_*` add to it.
+    pub(crate) fn start_lags(&mut self) {
+        if !M::effects(&self.parameters).has_lags() {
+            return;
+        }
+        *self.own.lags_mut() = Lags::default();
+        self.set_drivers(self.time);
+        // Two passes: heat flows may depend on the drivers.
+        let above = M::lags_above(&self.parameters);
+        for _ in 0..2 {
+            let sources = self.lag_sources();
+            self.own.lags_mut().now = std::array::from_fn(|k| sources[k] + above[k] * self.lag_size(k));
+            self.set_drivers(self.time);
+        }
+    }
+
+    /// What the lags need of the start of a step of `h` seconds.
+    fn lag_start(&self, h: f64) -> LagStart<M, N> {
+        LagStart { sources: self.lag_sources(), middle: self.inputs_after(0.5 * h), at: M::instant(self) }
+    }
+
+    /// Advances the lags over a step of `h` seconds that began there.
+    fn follow_lags(&mut self, start: &LagStart<M, N>, h: f64) {
+        let at = M::middle(self, &start.at, h);
+        let time = self.time - 0.5 * h;
+        let drivers = M::drivers_of(self, time, &start.middle, &at);
+        let heat_flows = self.heat_flows_at(time, start.middle, at);
+        let (middle, after) = (self.sources_of(drivers, || heat_flows), self.lag_sources());
+        for (k, lag) in self.lags_of_terms().iter().enumerate() {
+            if let Some(lag) = lag {
+                let source = [start.sources[k], middle[k], after[k]];
+                let lags = self.own.lags_mut();
+                let before = lags.now[k];
+                lags.now[k] = lagged(before, lag.tau, source, h);
+                lags.mean[k] = mean_lagged([before, lags.now[k]], lag.tau, source, h);
+            }
+        }
+    }
+
+    /// Heat flows at another time with other inputs and states; zero if no lag follows any.
+    fn heat_flows_at(&mut self, time: f64, inputs: M::Inputs, at: M::Instant) -> [f64; 2] {
+        if !self.lags_of_terms().iter().flatten().any(|lag| lag.driver.is_heat()) {
+            return [0.0; 2];
+        }
+        let present = (self.time, self.inputs, M::instant(self));
+        (self.time, self.inputs) = (time, inputs);
+        M::put_instant(self, at);
+        M::follow_inputs(self);
+        let heat_flows = M::heat_flows(self);
+        (self.time, self.inputs) = (present.0, present.1);
+        M::put_instant(self, present.2);
+        heat_flows
+    }
+
+    /// Scale of a lag state.
+    fn lag_size(&self, k: usize) -> f64 {
+        M::effects(&self.parameters).lag(k).map_or(1.0, |lag| lag.driver.nominal())
+    }
+
+    /// Whether the `k`-th term has a lag.
+    pub(crate) fn has_lag(&self, k: usize) -> bool {
+        M::effects(&self.parameters).lag(k).is_some()
+    }
+
+    /// State of the `k`-th term's lag, divided by a typical value of its driver; 0 without one.
+    pub(crate) fn lag_state(&self, k: usize) -> f64 {
+        if self.has_lag(k) { self.own.lags().now[k] / self.lag_size(k) } else { 0.0 }
+    }
+
+    /// Sets the state of the `k`-th term's lag.
+    pub(crate) fn put_lag_state(&mut self, k: usize, value: f64) {
+        self.own.lags_mut().now[k] = value * self.lag_size(k);
+    }
+
+    /// Derivatives of the lag states, with the heat flows from elsewhere.
+    pub(crate) fn lag_rates(&self, heat_flows: impl FnOnce() -> [f64; 2]) -> [f64; MOST_TERMS] {
+        if !M::effects(&self.parameters).has_lags() {
+            return [0.0; MOST_TERMS];
+        }
+        let sources = self.sources_of(self.drivers_after(self.time, 0.0), heat_flows);
+        let (lags, now) = (self.lags_of_terms(), self.own.lags().now);
+        std::array::from_fn(|k| {
+            lags[k].map_or(0.0, |lag| (sources[k] - now[k]) / (lag.tau * lag.driver.nominal()))
+        })
+    }
+}
