@@ -1,6 +1,8 @@
 //! All integration tests of the models, in one program: physics is linked once.
 
 mod common;
+#[path = "common/gearmotor.rs"]
+mod gearmotor;
 #[path = "common/walker.rs"]
 mod walker;
 

@@ -127,11 +127,14 @@ fn resources(kind: &ModelType, contents: Contents<'_>) -> Result<Resources, Buil
     let declaration = (kind.declaration)();
     let name = declaration.name;
     let terms = contents.effects.map_or(Ok(Vec::new()), TermsFile::terms)?;
-    if !terms.is_empty() && !(kind.new)().set_terms(&terms) {
-        let file = EFFECTS_FILE;
-        let why = declaration.unserved("effect.generic_term.gain");
-        let why = why.map(|why| format!(": {why}")).unwrap_or_default();
-        return Err(BuildError(format!("{name} carries no terms, so it has no use for {file}{why}")));
+    let model = (kind.new)();
+    for (term, text) in terms.iter().zip(contents.effects.into_iter().flat_map(|file| &file.terms)) {
+        if let Some(why) = model.refusal(term) {
+            let port = term.port.name();
+            let what =
+                if text.name.is_empty() { format!("at port {port}") } else { format!("\"{}\"", text.name) };
+            return Err(BuildError(format!("{EFFECTS_FILE}: {name} does not take the term {what}: {why}")));
+        }
     }
     let load = contents.load.map(LoadFile::table).transpose()?;
     if let Some(table) = &load

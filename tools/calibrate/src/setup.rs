@@ -18,7 +18,7 @@ use physics::terms::Drivers;
 use std::sync::{Arc, OnceLock};
 
 /// Relaxation of the integration tolerance for the many simulations of a search. Numerical: seven times faster, at most 0.03 mK error.
-pub const EASE: f64 = 100.0;
+pub const EASE: f64 = 1000.0;
 /// Relative standard deviation of a prior above which it limits the parameter. Derivation: zero is then inside of 3.3 standard
 /// deviations, two-sided level 1e-3, so the parameter is known by its logarithm only.
 pub const WIDE: f64 = 0.3;

@@ -9,9 +9,9 @@
 //! | series_voltage | y, V, against a positive I for both signs of I: a thermoelectric voltage, the zero of an amplifier; y I heats the winding | all |
 //! | winding_resistance, torque_constant | multiplied by 1 + y | all |
 //! | winding_housing_resistance | multiplied by 1 + y | winding_temperature |
-//! | winding_heat | y, W, heats the winding; part of the energy input, as heat_power | |
+//! | winding_heat | y, W, heats the winding; part of the energy input, as heat_power (gearmotor: taken from ambient) | |
 //! | housing_heat | y, W, heats the housing; taken from ambient (heat_to_ambient is reduced by y) | housing_temperature |
-//! | housing_ambient_conductance | y (T_h - T_a), W, leaves the housing | housing_temperature |
+//! | housing_ambient_conductance | y (T_h - T_a), W, leaves the housing (gearmotor: T_a is the temperature of the box) | housing_temperature |
 //! | heat_capacity | capacities of winding and housing (network: winding and stator) times 1 + y; the energy balance starts there | |
 //! | fan_flow | the command multiplied by 1 + y, at least 0 | fan_command |
 //! | ambient_sensor | the true ambient temperature is y, K, above the indicated one | |

@@ -18,7 +18,11 @@ use crate::levels::{FACTOR, SMALL};
 use crate::parallel;
 use crate::setup::{Setup, Shown};
 use physics::declare::{Causality, Item, Kind};
+use std::time::Instant;
 
+/// Part of the time for the checks in which other modes are tried, those that are simulated fastest first. Numerical: a limit of effort; a fit of
+/// a cooling mode with a network of nodes takes a thousand times as long as one without.
+const SHARE: f64 = 1.0 / 32.0;
 /// Group of the effects, whose settings are candidates of the search.
 const EFFECTS: &str = "effect.";
 
@@ -36,32 +40,30 @@ pub fn correct(
     // As many rows as a search has: a fast logger's fits are not made twice.
     let means = experiment.of_means();
     let own = means.as_ref().unwrap_or(experiment);
+    let deadline = &deadline.share(SHARE);
     let as_is = setup(own, preset, deadline)?;
+    let fitted = |setup: &Setup| setup.fit(setup.preset(), &runs).ok().as_ref().map(excess);
+    let Some(before) = fitted(&as_is).filter(|excess| *excess > FACTOR) else { return Ok(()) };
     let Ok(shown) = as_is.show(&as_is.preset(), &runs) else { return Ok(()) };
-    let acts = |experiment: &Experiment| -> Result<bool, CalibrateError> {
-        let other = setup(experiment, preset, deadline)?;
-        Ok(other.show(&other.preset(), &runs).is_ok_and(|other| differs(&shown, &other)))
-    };
     let mut others = Vec::new();
     for (name, item) in unstated(&as_is) {
         let mut other = own.clone();
         other.set.push((name.clone(), f64::from(item.value)));
-        if acts(&other)? {
-            others.push((other, name, item));
+        let begun = Instant::now();
+        let setup = setup(&other, preset, deadline)?;
+        if setup.show(&setup.preset(), &runs).is_ok_and(|other| differs(&shown, &other)) {
+            others.push((begun.elapsed(), other, name, item));
         }
     }
-    if others.is_empty() {
-        return Ok(());
-    }
-    let fitted = |setup: &Setup| setup.fit(setup.preset(), &runs).ok().as_ref().map(excess);
-    let Some(before) = fitted(&as_is).filter(|excess| *excess > FACTOR) else { return Ok(()) };
-    let found = parallel::map(&others, |(other, ..)| {
-        Ok::<_, CalibrateError>(fitted(&setup(other, preset, deadline)?))
+    others.sort_by_key(|(time, ..)| *time);
+    let found = parallel::map(&others, |(_, other, ..)| {
+        let in_time = !deadline.is_near();
+        Ok::<_, CalibrateError>(if in_time { fitted(&setup(other, preset, deadline)?) } else { None })
     });
     let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
     let best = found.into_iter().zip(others).filter_map(|(left, other)| Some((left?, other)));
     let best = best.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(left, _)| *left < SMALL * before);
-    let Some((left, (_, name, item))) = best.filter(|_| !deadline.is_near()) else { return Ok(()) };
+    let Some((left, (_, _, name, item))) = best else { return Ok(()) };
     experiment.set.push((name.clone(), f64::from(item.value)));
     experiment.notes.push(format!(
         "the mode {name} of the preset contradicts the data: with {name} = \"{}\" the declared parameters describe the fit runs to {:.2} times \

@@ -7,13 +7,7 @@ use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::effects::Effects;
 use crate::runtime::{Driven, Halt, Lags};
-use crate::terms::{Driver, Drivers, GenericTerm, MOST_TERMS, Port};
-
-/// Why the gearmotor does not take a term; `None` if it does.
-pub(super) fn refusal(term: &GenericTerm) -> Option<&'static str> {
-    let is_of_a_fan = term.port == Port::FanFlow || term.law.drivers().any(|d| d == Driver::FanCommand);
-    is_of_a_fan.then_some("it has no fan")
-}
+use crate::terms::{Drivers, MOST_TERMS};
 
 impl Driven<ALL> for Gearmotor {
     type Instant = State;

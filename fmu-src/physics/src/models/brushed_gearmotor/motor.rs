@@ -1,9 +1,8 @@
 //! The gearmotor as [`Equations`] of the runtime: steps, states and events.
 
-use super::drivers::refusal;
 use super::equations::{ALL, Constants, State, Step, Stored};
 use super::nodes::{HOUSING, LIST, Losses, NODES, WINDING};
-use super::parameters::{Parameters, unserved};
+use super::parameters::{Parameters, refusal, unserved};
 use super::variables::{Indicators, Inputs, Outputs};
 use crate::components::validity::Extremes;
 use crate::effects::IMMINENT;

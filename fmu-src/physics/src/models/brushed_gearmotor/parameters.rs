@@ -9,6 +9,7 @@ use crate::components::validity::{BrushedValidity, Limits};
 use crate::effects::{EffectPort, Effects};
 use crate::groups;
 use crate::model::Unserved;
+use crate::terms::{Driver, GenericTerm, Port};
 
 groups! {
     /// Parameters of the gearmotor and its modes of use.
@@ -70,6 +71,12 @@ fn reason(port: EffectPort) -> Option<&'static str> {
         ),
         Ripple => Some("the switching cycle gives the ripple; drive.pwm_frequency is the frequency"),
     }
+}
+
+/// Why the gearmotor does not take a term; `None` if it does.
+pub(super) fn refusal(term: &GenericTerm) -> Option<&'static str> {
+    let is_of_a_fan = term.port == Port::FanFlow || term.law.drivers().any(|d| d == Driver::FanCommand);
+    is_of_a_fan.then_some("it has no fan")
 }
 
 /// Variables of shared components that the gearmotor does not support.
