@@ -1,7 +1,9 @@
-"""Benches of a gearmotor whose preset is wrong in one respect that neither [set] nor [prior] states: its FMU is the motor on the bench."""
+"""Benches of a gearmotor whose preset is wrong in one respect that neither [set] nor [prior] states, or that has an effect of no list: its FMU
+is the motor on the bench."""
 
 import csv
 import io
+import json
 import subprocess
 import tomllib
 from dataclasses import dataclass, field
@@ -46,8 +48,9 @@ REST = 120.0  # s without duty and load, at the start of each run and between it
 class Case:
     """What the motor on the bench has in place of the preset."""
 
-    truth: dict
+    truth: dict = field(default_factory=dict)
     rest: bool = field(default=False)  # whether the motor rests between the levels
+    term: dict | None = None  # an effect of no list, as in effects.json
 
 
 CASES = {
@@ -55,7 +58,28 @@ CASES = {
     "viscous friction that nobody stated": Case({"gear.k": 0.02}),
     "another decay mode": Case({"drive.decay": "fast"}),
     "a loss of magnetisation": Case({"effect.demagnetisation.fraction": 0.05, "effect.demagnetisation.time": 3210.0}),
-    "nothing, long at rest": Case({}, rest=True),
+    "nothing, long at rest": Case(rest=True),
+}
+
+
+def power(port, coefficient, driver, reference, exponent=1.0, offset=0.0, **further):
+    """A term: a power of a driver."""
+    return {
+        "port": port,
+        "coefficient": coefficient,
+        "drivers": [{"driver": driver, "reference": reference, "exponent": exponent, "offset": offset}],
+        **further,
+    }
+
+
+MASS = {"driver": "housing_temperature", "tau": 200.0, "difference": True}
+LATE = {"driver": "winding_temperature", "tau": 300.0}
+LAWS = {
+    "friction by a power of the speed": Case(term=power("drag_torque", 0.25, "speed", 8.0, 1.6)),
+    "a housing sensor that errs with the speed": Case(term=power("housing_sensor", -2.0, "speed", 8.0)),
+    "a mass on the housing": Case(term=power("housing_heat", 0.3, "housing_temperature", 1.0, lag=MASS)),
+    "magnets behind the winding": Case(term=power("torque_constant", -0.02, "winding_temperature", 30.0, offset=295.0, lag=LATE)),
+    "a joint that conducts better in motion": Case(term=power("winding_housing_resistance", -0.3, "speed", 8.0, 0.8)),
 }
 
 
@@ -70,9 +94,20 @@ def levels(rng, time, least, most):
     return values
 
 
+def with_term(program, term, folder):
+    """The FMU of a gearmotor with a term."""
+    file = folder / "effects.json"
+    file.write_text(json.dumps({"format": "motor-fmu effects 1", "terms": [term]}), encoding="utf-8")
+    command = [program, "build", "BrushedGearmotor", "--fmi", "3", "--effects", str(file), "--out", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder / "fmi3" / "BrushedGearmotor.fmu"
+
+
 def write(program, fmu, name, seed, folder):
     """The files of a case; the path of its experiment."""
-    case, rng = CASES[name], np.random.default_rng(seed)
+    case, rng = (CASES | LAWS)[name], np.random.default_rng(seed)
+    fmu = with_term(program, case.term, folder) if case.term else fmu
     truth = {key: value * (1.0 + DEVIATION.get(key, 0.0)) for key, value in START.items()} | case.truth
     settings = [part for key, value in truth.items() if key not in INPUTS.values() for part in ("--set", f"{key}={value}")]
     for k, role in enumerate(ROLES):

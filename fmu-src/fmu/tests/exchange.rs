@@ -27,7 +27,7 @@ fn known(kind: &ModelType) -> Known {
     };
     match name(kind) {
         "AnnulusCooledMotor" => rotor(26),
-        "BrushedGearmotor" => rotor(12),
+        "BrushedGearmotor" => rotor(15),
         "SeriesElasticActuator" => Known {
             states: 8,
             input: "torque_demand",

@@ -53,7 +53,6 @@ mod coulomb_friction;
 mod dead_time;
 mod demagnetisation;
 mod drive_loss;
-mod driven;
 mod fan_back_pressure;
 mod fan_exponent;
 mod forced_convection;
@@ -81,7 +80,6 @@ mod winding_sensor_offset;
 mod winding_sensor_stem_loss;
 
 pub use candidate::{Candidate, Follows, Way};
-pub use driven::DrivenSlopes;
 pub use forced_convection::{ConvectionDriver, CooledNode};
 
 use crate::model::Unserved;
@@ -89,7 +87,7 @@ pub use crate::number::Number;
 use crate::ports::ports;
 use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS};
 use num_dual::Dual64;
-pub use ports::{Acts, Effect, EffectPort, IMMINENT, PerNode, Ports, Stator};
+pub use ports::{Acts, DrivenSlopes, Effect, EffectPort, IMMINENT, PerNode, Ports, Stator};
 
 /// What the files of the effects use.
 mod prelude {

@@ -70,6 +70,23 @@ pub struct Axis {
     pub driver: Driver,
     /// The points, ascending.
     pub knots: Vec<f64>,
+    /// Whether the table is one of the driver's magnitude: the same on both sides of zero.
+    pub is_even: bool,
+}
+
+impl Axis {
+    /// The place on the axis of a value of the driver.
+    pub fn at(&self, x: f64) -> f64 {
+        if self.is_even { x.abs() } else { x }
+    }
+
+    /// The points of the table as data, and the value of the axis that belongs to each.
+    fn points(&self) -> (Vec<f64>, Vec<usize>) {
+        let own = self.knots.iter().copied().enumerate();
+        let mirrored = own.clone().rev().filter(|(_, x)| self.is_even && *x > 0.0).map(|(k, x)| (k, -x));
+        let (places, points) = mirrored.chain(own).unzip();
+        (points, places)
+    }
 }
 
 /// Number of values of a table.
@@ -84,7 +101,7 @@ pub fn place(axes: &[Axis], k: usize) -> impl Iterator<Item = (&Axis, usize)> {
 
 /// Weight of the `k`-th value of a table at the values of its drivers.
 pub fn weight(axes: &[Axis], k: usize, of: impl Fn(Driver) -> f64) -> f64 {
-    place(axes, k).map(|(axis, own)| hat(&axis.knots, own, of(axis.driver))).product()
+    place(axes, k).map(|(axis, own)| hat(&axis.knots, own, axis.at(of(axis.driver)))).product()
 }
 
 /// An addition to a model.
@@ -233,12 +250,18 @@ impl Addition {
             Shape::Table { axes, .. } => {
                 let values = self.values();
                 match &axes[..] {
-                    [own] => Law::Table(Table::new(own.driver, &own.knots, &values)?),
+                    [own] => {
+                        let (points, places) = own.points();
+                        let values: Vec<f64> = places.iter().map(|k| values[*k]).collect();
+                        Law::Table(Table::new(own.driver, &points, &values)?)
+                    }
                     [rows, columns] => {
-                        let values: Vec<Vec<f64>> =
-                            values.chunks(columns.knots.len()).map(<[f64]>::to_vec).collect();
+                        let (lines, count) = ([rows, columns].map(Axis::points), columns.knots.len());
+                        let [(_, places), (_, others)] = &lines;
+                        let row = |k: &usize| others.iter().map(|n| values[k * count + n]).collect();
+                        let values: Vec<Vec<f64>> = places.iter().map(row).collect();
                         let drivers = [rows.driver, columns.driver];
-                        Law::Grid(Grid::new(drivers, [&rows.knots, &columns.knots], &values)?)
+                        Law::Grid(Grid::new(drivers, [&lines[0].0, &lines[1].0], &values)?)
                     }
                     _ => return None,
                 }

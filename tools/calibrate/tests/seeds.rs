@@ -159,7 +159,7 @@ fn the_paper_is_explained_by_drop_and_friction_but_for_its_temperatures() {
     let point = Linearization::new(&setup, fitted.clone(), &runs).unwrap();
     assert_eq!(Sure::of(&setup, &fitted, &runs).together(0.9), [("thermal.C_h", "thermal.G_hb")]);
     // The plateaus ask for a body a third as heavy and are missed by 9 K all the same: what would help is a
-    // room, or a sensor, 15 K warmer (12 K if neighbouring means erred independently of each other).
+    // room, or a sensor, 12 K warmer (15 K if small laws at every port, the structure error, were not allowed for).
     let mut most = 0.0f64;
     setup.each(runs[0], &fitted.shown[0], |_, output, off| {
         most = if output == 2 { most.max(off) } else { most }
@@ -184,7 +184,7 @@ fn the_paper_is_explained_by_drop_and_friction_but_for_its_temperatures() {
         .collect();
     gains.sort_by(|a, b| b.1.total_cmp(&a.1));
     assert_eq!((gains[0].0, gains[1].0), ("housing_sensor_offset", "ambient_drift"), "{gains:?}");
-    assert!((gains[0].2 - 15.3).abs() < 0.5 && gains[1].1 > 0.98 * gains[0].1, "{gains:?}");
+    assert!((gains[0].2 - 12.0).abs() < 0.5 && gains[1].1 > 0.98 * gains[0].1, "{gains:?}");
     // The sensor may be off; a room that warms by as much as the drift would need is none.
     assert_eq!((gains[0].3, gains[1].3), (true, false), "{gains:?}");
 }

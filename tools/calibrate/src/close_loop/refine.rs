@@ -131,7 +131,7 @@ impl<'a> Search<'a> {
         let base = Linearization::beside(setup, setup.judged(without, &point.runs)?, &point.runs, port)?;
         let Some(term) = own.term() else { return Ok(None) };
         let reached = Self::reached(point, k);
-        let values = reached.iter().flatten().copied().collect();
+        let values = reached.iter().flatten().map(|x| axis.at(*x)).collect();
         let Some(knots) = spread(values, POINTS, None) else { return Ok(None) };
         let finer = Axis { knots, ..axis.clone() };
         let columns = |axis: &Axis| {

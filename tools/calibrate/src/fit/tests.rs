@@ -125,7 +125,7 @@ fn a_point_without_data_has_the_value_of_its_prior() {
         port: Port::DragTorque,
         follows: Follows::Driver(Driver::Speed),
         shape: Shape::Table {
-            axes: vec![Axis { driver: Driver::Speed, knots }],
+            axes: vec![Axis { driver: Driver::Speed, knots, is_even: false }],
             precision: kernel.try_inverse().unwrap(),
         },
         numbers: [0.0, 0.0, 0.5].map(number).to_vec(),

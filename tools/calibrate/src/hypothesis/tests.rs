@@ -119,8 +119,10 @@ fn slopes_of_a_power_are_those_of_its_law() {
 }
 
 fn table_of(axes: &[(Driver, &[f64])]) -> Shape {
-    let axes: Vec<Axis> =
-        axes.iter().map(|(driver, knots)| Axis { driver: *driver, knots: knots.to_vec() }).collect();
+    let axes: Vec<Axis> = axes
+        .iter()
+        .map(|(driver, knots)| Axis { driver: *driver, knots: knots.to_vec(), is_even: false })
+        .collect();
     let n = values(&axes);
     Shape::Table { axes, precision: DMatrix::zeros(n, n) }
 }
@@ -140,6 +142,31 @@ fn a_table_over_two_drivers_is_linear_in_its_values() {
         assert!((sum - term.value(&here)).abs() < 1e-12, "{speed} {housing_temperature}");
     }
     assert_eq!((own.kind(), own.sizes(), own.price()), (4, 6, 1.5));
+}
+
+/// A table of a magnitude is the same on both sides of zero, and linear in its values, of one driver and of two, with and without a point at
+/// zero.
+#[test]
+fn a_table_of_a_magnitude_is_even() {
+    let warm = Axis { driver: Driver::HousingTemperature, knots: vec![290.0, 350.0], is_even: false };
+    for least in [0.0, 2.0] {
+        let speed = Axis { driver: Driver::Speed, knots: vec![least, 20.0, 50.0], is_even: true };
+        for axes in
+            [vec![speed.clone()], vec![speed.clone(), warm.clone()], vec![warm.clone(), speed.clone()]]
+        {
+            let values: Vec<f64> = (0..values(&axes)).map(|k| (k as f64 - 1.3).powi(2)).collect();
+            let precision = DMatrix::zeros(values.len(), values.len());
+            let own = addition(Shape::Table { axes, precision }, &values);
+            let term = own.term().unwrap();
+            for speed in [0.0, 1.0, 13.0, 20.0, 44.0, 70.0] {
+                let [there, back] =
+                    [speed, -speed].map(|speed| Drivers { speed, housing_temperature: 310.0, ..at(speed) });
+                assert_eq!(term.value(&there), term.value(&back));
+                let sum: f64 = values.iter().enumerate().map(|(k, v)| v * own.slope(k, &back)).sum();
+                assert!((sum - term.value(&back)).abs() < 1e-12, "{least} {speed}");
+            }
+        }
+    }
 }
 
 /// A loss that is a power of speed or current continues beyond the data, unless no loss has such an exponent; nothing else does.

@@ -274,7 +274,7 @@ impl<'l> Table<'l> {
         let name = format!("{} over lag of {}", port.name(), driver.name());
         let follows = Follows::Late(driver);
         let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(port, follows), &knots);
-        let axes = vec![Axis { driver, knots }];
+        let axes = vec![Axis { driver, knots, is_even: false }];
         let mut numbers = table_values(port, &axes, "lagged ", &gain);
         numbers.push(time_constant(late, taus));
         let kernel = kernel(&axes);

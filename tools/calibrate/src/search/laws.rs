@@ -5,6 +5,8 @@
 //!
 //! x_a knots, between which values are linear or bilinear. (2) is the sum of a function of each driver and a further function of both:
 //! where the data hold no pair of values, the sum of the first two continues. q is estimated with the evidence (`evidence.rs`).
+//! A rig that runs in both directions shows drags and losses twice: at a driver that enters laws by its magnitude (speed, current, torque) a
+//! function of the magnitude is tried beside (1), and is the only one in (2).
 //! Functions of two drivers are found by beam search: at the ports that explain most, the drivers with the best functions of their own are
 //! combined with every other one.
 //! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 4.2.4 (sums and products of covariances), ch. 5
@@ -27,6 +29,8 @@ use physics::terms::{Driver, Drivers, Factor, Port};
 const KNOTS: usize = 7;
 /// Knots of a function of two drivers, for each. Numerical: its prior correlates neighbouring knots by 0.78, exp(-1/4).
 const KNOTS_OF_TWO: usize = 5;
+/// The same for a magnitude, which has them on both sides. Limit: half of the lines of a grid ([`physics::terms::MOST_LINES`]).
+const KNOTS_OF_MAGNITUDE: usize = physics::terms::MOST_LINES / 2;
 /// Drivers at a port that are combined with every other one. Numerical: a limit of effort; the best functions of one driver come first.
 const BEAM: usize = 4;
 /// A driver whose variation is less than this fraction of its size cannot determine a shape. Numerical: excludes constant drivers.
@@ -66,6 +70,19 @@ pub(super) fn varies(point: &Linearization, driver: Driver) -> bool {
 fn knots_of(point: &Linearization, driver: Driver, count: usize) -> Option<Vec<f64>> {
     let values = point.drivers().map(|d| d.of(driver)).collect();
     spread(values, count, is_temperature(driver).then_some(STEEP))
+}
+
+/// Whether laws take the magnitude of a driver that has been on both sides of zero by more than the distance of two knots.
+fn has_turned(point: &Linearization, driver: Driver) -> bool {
+    let ends = |(a, b): (f64, f64), x: f64| (a.min(x), b.max(x));
+    let (least, most) = point.drivers().map(|d| d.of(driver)).fold((0.0, 0.0), ends);
+    !driver.has_sides() && most.min(-least) > KNOT_APART * (most - least)
+}
+
+/// Points over the magnitude of a driver.
+fn even(point: &Linearization, driver: Driver, count: usize) -> Option<Axis> {
+    let values = point.drivers().map(|d| d.of(driver).abs()).collect();
+    Some(Axis { driver, knots: spread(values, count, None)?, is_even: true })
 }
 
 /// Knots over values: least, greatest, and points between; `None` if they hardly vary relative to a size, that of the values if there is
@@ -178,7 +195,10 @@ pub(super) fn exponent(value: f64) -> Number {
 
 /// The values of a table, estimated to first order; `late` comes before the name of a driver with a lag.
 pub fn table_values(port: Port, axes: &[Axis], late: &str, gain: &Gain) -> Vec<Number> {
-    let point_of = |(axis, k): (&Axis, usize)| format!("{late}{} = {:.4}", axis.driver.name(), axis.knots[k]);
+    let point_of = |(axis, k): (&Axis, usize)| {
+        let (name, x) = (axis.driver.name(), axis.knots[k]);
+        if axis.is_even { format!("|{name}| = {x:.4}") } else { format!("{late}{name} = {x:.4}") }
+    };
     let own = |k: usize| {
         let at = place(axes, k).map(point_of).collect::<Vec<_>>().join(", ");
         let spread = gain.covariance[(k, k)].sqrt();
@@ -206,8 +226,11 @@ pub(super) fn term(
 
 /// Smooth function of a driver at a port.
 pub(super) fn smooth(point: &Linearization, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
-    let axis = Axis { driver, knots: knots(point, driver)? };
-    let mut found = over(point, port, vec![axis], per_number)?;
+    let axis = Axis { driver, knots: knots(point, driver)?, is_even: false };
+    let even = has_turned(point, driver).then(|| even(point, driver, KNOTS)).flatten();
+    let found = [Some(axis), even].into_iter().flatten();
+    let found = found.filter_map(|axis| over(point, port, vec![axis], per_number));
+    let mut found = found.max_by(|a, b| a.sure().total_cmp(&b.sure()))?;
     // A law over time in these runs does not carry over to other runs, so it cannot be added.
     found.addition = found.addition.filter(|_| driver != Driver::Time);
     Some(found)
@@ -253,7 +276,10 @@ pub(super) fn of_two(
     single: &[(Port, Driver, Scored)],
     per_number: f64,
 ) -> Vec<Scored> {
-    let axis = |driver: Driver| Some(Axis { driver, knots: knots_of(point, driver, KNOTS_OF_TWO)? });
+    let axis = |driver: Driver| match has_turned(point, driver) {
+        true => even(point, driver, KNOTS_OF_MAGNITUDE),
+        false => Some(Axis { driver, knots: knots_of(point, driver, KNOTS_OF_TWO)?, is_even: false }),
+    };
     let mut places: Vec<(Port, f64, [Driver; 2])> = Vec::new();
     for port in ports {
         let mut own: Vec<&(Port, Driver, Scored)> = single

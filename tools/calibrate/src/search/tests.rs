@@ -56,7 +56,7 @@ type Heat = fn(f64, f64) -> f64;
 fn a_loss_over_two_drivers_leaves_by_a_conductance() {
     let (warm, speed) = (Driver::HousingTemperature, Driver::Speed);
     let both = |port: Port, [a, b]: [Driver; 2], of: Heat| {
-        let axis = |driver: Driver| Axis { driver, knots: vec![0.0, 1.0] };
+        let axis = |driver: Driver| Axis { driver, knots: vec![0.0, 1.0], is_even: false };
         let follows = Follows::Both(a, b);
         let mut addition = testing::law(port, follows);
         addition.shape = Shape::Table { axes: vec![axis(a), axis(b)], precision: DMatrix::identity(4, 4) };

@@ -9,9 +9,17 @@ use crate::effects::Effects;
 use crate::runtime::{Driven, Halt, Lags};
 use crate::terms::{Drivers, MOST_TERMS};
 
+/// The gearmotor before a step that may be undone. The parameters, whose effects have other drivers since, are not a part of it: every step
+/// sets the drivers.
+pub struct Checkpoint {
+    own: Gearmotor,
+    inputs: [Inputs; 2],
+    time: f64,
+}
+
 impl Driven<ALL> for Gearmotor {
     type Instant = State;
-    type Checkpoint = BrushedGearmotor;
+    type Checkpoint = Checkpoint;
 
     #[inline(always)]
     fn effects(parameters: &Parameters) -> &Effects {
@@ -93,12 +101,15 @@ impl Driven<ALL> for Gearmotor {
         run.take(time, h)
     }
 
-    fn checkpoint(run: &mut BrushedGearmotor) -> BrushedGearmotor {
-        run.clone()
+    fn checkpoint(run: &mut BrushedGearmotor) -> Checkpoint {
+        Checkpoint { own: run.own.clone(), inputs: [run.inputs, run.slopes], time: run.time }
     }
 
-    fn return_to(run: &mut BrushedGearmotor, before: BrushedGearmotor) {
-        *run = before;
+    fn return_to(run: &mut BrushedGearmotor, before: Checkpoint) {
+        let [inputs, slopes] = before.inputs;
+        (run.own, run.inputs, run.time) = (before.own, inputs, before.time);
+        run.put_slopes(slopes);
+        run.outdate();
     }
 }
 
