@@ -33,10 +33,15 @@ pub static LISTED: LazyLock<Vec<Listed>> = LazyLock::new(|| {
     Effects::CANDIDATES.iter().flat_map(of).collect()
 });
 
+/// Whether a parameter belongs to an effect, which a search adds and removes.
+pub fn is_of_an_effect(parameter: &str) -> bool {
+    parameter.starts_with("effect.")
+}
+
 /// Whether a parameter shapes an effect and is not its size: with another value it is another effect, and no value in a wrong unit.
 pub fn shapes_an_effect(parameter: &str) -> bool {
     let is_size = |l: &Listed| l.symbols.first().is_some_and(|size| l.parameter(size) == parameter);
-    parameter.starts_with("effect.") && !LISTED.iter().any(is_size)
+    is_of_an_effect(parameter) && !LISTED.iter().any(is_size)
 }
 
 impl Listed {

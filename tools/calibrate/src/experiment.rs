@@ -203,6 +203,12 @@ pub struct OddFile {
 }
 
 impl Experiment {
+    /// Whether it sets this variable, in all runs or in one.
+    pub fn sets(&self, name: &str) -> bool {
+        let of_runs = self.runs.iter().flat_map(|run| &run.set);
+        self.set.iter().chain(of_runs).any(|(own, _)| own == name)
+    }
+
     /// Reads an experiment and all of its runs; file names are relative to the experiment's folder.
     ///
     /// # Errors

@@ -343,7 +343,7 @@ impl Fit<'_> {
         let mut all = vec![Vec::new(); m];
         for ((run, shown), answers) in self.runs.iter().zip(&fitted.shown).zip(&answers) {
             self.setup.each(*run, shown, |row, output, _| {
-                let sigma = self.setup.sigma(output) / self.setup.weight(*run, row, output);
+                let sigma = self.setup.noise_of_reading(*run, row, output);
                 let of = |(answer, scale): (&Option<Vec<f64>>, &Scale)| {
                     answer.as_ref().map_or(0.0, |values| values[row * m + output] * scale.unit / sigma)
                 };
@@ -406,8 +406,7 @@ impl Problem for Fit<'_> {
         let mut residuals = vec![Vec::new(); self.setup.outputs()];
         for (run, shown) in self.runs.iter().zip(&fitted.shown) {
             self.setup.each(*run, shown, |row, output, off| {
-                residuals[output]
-                    .push(-off * self.setup.weight(*run, row, output) / self.setup.sigma(output));
+                residuals[output].push(-off / self.setup.noise_of_reading(*run, row, output));
             });
         }
         let mut gradient = DVector::zeros(x.len());

@@ -25,7 +25,7 @@ use crate::levels::{CERTAIN, FACTOR, NEARLY, NEGLIGIBLE};
 use crate::noise::{self, is_new_in_every_row, is_stated, least, of_columns};
 use crate::setup::Setup;
 use crate::smoothing::smoothed;
-use crate::tangent::{Probe, Tangent};
+use crate::tangent::{Direction, Probe, Tangent};
 use std::sync::Arc;
 
 /// Readings of an output in a run, and their residual.
@@ -114,13 +114,21 @@ impl Setup<'_> {
 
     /// Variance of each reading due to white input noise within its row, for linearised runs.
     fn direct_variances(&self, slopes: &Slopes) -> Vec<Vec<f64>> {
-        let inputs = self.experiment.inputs.len();
-        let of_run = |(r, tangent): (usize, &Tangent)| {
-            let noises = slopes.further(r, inputs).iter().zip(&self.noise);
-            let noises: Vec<_> = noises.filter_map(|(d, sigma)| Some((d.as_ref()?, *sigma))).collect();
-            tangent.direct_variance(&noises)
-        };
+        let of_run =
+            |(r, tangent): (usize, &Tangent)| tangent.direct_variance(&self.noises(slopes, r, |_| true));
         slopes.tangents.iter().enumerate().map(of_run).collect()
+    }
+
+    /// How the inputs that `heard` selects act in the `r`-th linearised run, with their noise.
+    fn noises<'s>(
+        &self,
+        slopes: &'s Slopes,
+        r: usize,
+        heard: impl Fn(usize) -> bool,
+    ) -> Vec<(&'s Direction, f64)> {
+        let known = slopes.further(r, self.experiment.inputs.len()).iter().zip(&self.noise).enumerate();
+        let known = known.filter(|(k, _)| heard(*k));
+        known.filter_map(|(_, (direction, sigma))| Some((direction.as_ref()?, *sigma))).collect()
     }
 
     /// Eq. (2) for the fit and validation runs; `known` are the deviations of the sensors of the outputs.
@@ -279,15 +287,10 @@ impl Setup<'_> {
 
     /// These variances for the inputs that `heard` selects.
     fn variances(&self, slopes: &Slopes, heard: impl Fn(usize) -> bool) -> (Vec<f64>, Vec<f64>) {
-        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let m = self.outputs();
         let (mut direct, mut whole, mut rows) = (vec![0.0; m], vec![0.0; m], 0.0);
         for (r, tangent) in slopes.tangents.iter().enumerate() {
-            let known = slopes.further(r, inputs).iter().zip(&self.noise).enumerate();
-            let noises: Vec<_> = known
-                .filter(|(k, _)| heard(*k))
-                .filter_map(|(_, (d, sigma))| Some((d.as_ref()?, *sigma)))
-                .collect();
-            let (at_once, all) = tangent.variance(&noises);
+            let (at_once, all) = tangent.variance(&self.noises(slopes, r, &heard));
             for (k, (a, b)) in at_once.iter().zip(&all).enumerate() {
                 direct[k % m] += a;
                 whole[k % m] += b;

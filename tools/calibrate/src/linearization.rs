@@ -54,9 +54,7 @@ pub struct Linearization<'a> {
     with_validation: Option<(f64, f64)>,
     /// Forms of the effects with a usable derivative, in the order of their directions after those of the model.
     listed: Vec<(&'static Listed, Addition)>,
-    /// Ports at which a step is evaluated by an effect of the list, because the model takes no laws there: in the order of their directions after
-    /// those of the effects.
-    stepped: Vec<Port>,
+    /// Number of inputs.
     inputs: usize,
     /// Ports at which latent inputs are evaluated.
     ports: &'static [Port],
@@ -153,15 +151,6 @@ impl<'a> Linearization<'a> {
             let with = with.iter().copied().chain(shape).collect();
             further.push(Probe::Parameter { slot: slots[0], with, way });
         }
-        let mut stepped = Vec::new();
-        for listed in effects.iter().filter(|l| l.way == Way::Step && !setup.takes_laws()) {
-            let Some(addition) = listed.addition(setup, &all) else { continue };
-            let Shape::Listed { slots, .. } = &addition.shape else { continue };
-            // From before all runs on.
-            let with = vec![(slots[1], addition.numbers[1].limits.0)];
-            further.push(Probe::Parameter { slot: slots[0], with, way: WAY * addition.numbers[0].scale });
-            stepped.push(listed.port);
-        }
         let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
         let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), ports.len())?;
         let mut point = Linearization {
@@ -173,7 +162,6 @@ impl<'a> Linearization<'a> {
             with_validation: None,
             ports,
             listed,
-            stepped,
             inputs,
         };
         // The first linearization with all ports determines the structure error.
@@ -282,7 +270,7 @@ impl<'a> Linearization<'a> {
     }
 
     fn further(&self, r: usize) -> &[Option<Direction>] {
-        self.slopes.further(r, self.ports.len() + self.inputs + self.listed.len() + self.stepped.len())
+        self.slopes.further(r, self.ports.len() + self.inputs + self.listed.len())
     }
 
     /// The effects with a usable derivative that the model does not include: the index of the first form of each, and its forms, that with the
@@ -386,17 +374,8 @@ impl<'a> Linearization<'a> {
     /// Columns of an effect of the list that changes a quantity in a step at each of these times.
     pub fn step_columns(&self, port: Port, times: &[f64]) -> Option<DMatrix<f64>> {
         let clock = |r: usize| &self.setup.drives[self.runs[r]].time;
-        let Some(place) = self.stepped.iter().position(|own| *own == port) else {
-            let after = |at: f64, r: usize, row: usize| if clock(r)[row] >= at { -1.0 } else { 0.0 };
-            return self.port_columns(port, times.len(), |k, r, row, _| after(times[k], r, row));
-        };
-        self.columns(times.len(), |r, k| {
-            let direction =
-                self.further(r)[self.ports.len() + self.inputs + self.listed.len() + place].as_ref()?;
-            let first = clock(r).partition_point(|t| *t < times[k]);
-            let after = |row: usize| if row >= first { 1.0 } else { 0.0 };
-            Some((first < clock(r).len()).then(|| self.slopes.tangents[r].response(direction, after)))
-        })
+        let after = |at: f64, r: usize, row: usize| if clock(r)[row] >= at { -1.0 } else { 0.0 };
+        self.port_columns(port, times.len(), |k, r, row, _| after(times[k], r, row))
     }
 
     /// Greatest change of each output by the last addition, to first order, in SI units.

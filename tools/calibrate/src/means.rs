@@ -2,10 +2,11 @@
 //! a simulation step.
 //!
 //! Blocks are shortened until the mean square of each load, and with it a loss, keeps nearly all of its value: a load that alternates within a
-//! block heats the motor by its mean square, which means do not have.
+//! block heats the motor by its mean square, which means do not have. A block in which a load changes its sign has no readings of outputs:
+//! friction and the drop of contacts bend there, so that their means are not those at the mean load.
 
 use crate::experiment::{Experiment, Run};
-use crate::levels::{NEGLIGIBLE, SMALL, STRUCTURE};
+use crate::levels::{CERTAIN, NEGLIGIBLE, SMALL, STRUCTURE};
 use crate::noise;
 use crate::numbers::{median, range};
 use std::ops::Range;
@@ -79,6 +80,8 @@ impl Experiment {
     pub fn with_means(&self, division: impl Fn(&Run) -> Option<Division>) -> (Experiment, Vec<usize>) {
         let greatest = |k: usize| self.runs.iter().map(|r| square(&r.table.columns[k])).fold(0.0, f64::max);
         let squares: Vec<(usize, f64)> = self.loads().map(|k| (k, greatest(k))).collect();
+        let noise = |k: usize| noise::of_runs(self, k, self.inputs[k]).unwrap_or(0.0);
+        let still: Vec<(usize, f64)> = self.loads().map(|k| (k, CERTAIN * noise(k))).collect();
         let mut means = self.clone();
         let average = |run: &mut Run| {
             let Some(Division { mut length, pieces, loss }) = division(run) else { return 1 };
@@ -100,6 +103,11 @@ impl Experiment {
                 return length;
             }
             let (blocks, table) = (blocks(length), &mut run.table);
+            let turned: Vec<usize> = (0..blocks.len())
+                .filter(|n| {
+                    still.iter().any(|(k, least)| turns(&table.columns[*k][blocks[*n].clone()], *least))
+                })
+                .collect();
             table.columns = table.columns.iter().map(|column| of_blocks(column, &blocks)).collect();
             // The start of a run is preserved.
             let first = table.time.first().copied();
@@ -109,6 +117,10 @@ impl Experiment {
                 let short =
                     column.iter_mut().zip(&blocks).skip(1).filter(|(_, rows)| 2 * rows.len() < length);
                 short.for_each(|(reading, _)| *reading = f64::NAN);
+                // Where loads alternate, hardly a block is left.
+                if (turned.len() as f64) < SMALL * blocks.len() as f64 {
+                    turned.iter().for_each(|n| column[*n] = f64::NAN);
+                }
             }
             length
         };
@@ -141,6 +153,13 @@ fn pieces(run: &Run, steps: &[(usize, f64)]) -> Option<Vec<Range<usize>>> {
     let mut first = 0;
     let piece = |end: usize| std::mem::replace(&mut first, end)..end;
     Some(ends.into_iter().map(piece).filter(|rows| !rows.is_empty()).collect())
+}
+
+/// Whether values are on both sides of zero, each by more than `least`.
+fn turns(values: &[f64], least: f64) -> bool {
+    let known = values.iter().filter(|x| x.is_finite());
+    let (low, high) = known.fold((0.0f64, 0.0f64), |(a, b), x| (a.min(*x), b.max(*x)));
+    high.min(-low) > least
 }
 
 /// Means of a column over blocks.

@@ -290,7 +290,7 @@ impl<'a> Setup<'a> {
 
     /// Whether the model takes laws, so that a search knows what a law explains.
     pub fn takes_laws(&self) -> bool {
-        self.bench.declaration().by_name("effect.generic_term.gain").is_some()
+        self.bench.takes_laws()
     }
 
     /// Whether the load is an input.
@@ -311,6 +311,11 @@ impl<'a> Setup<'a> {
     /// Relative weight of a reading: the noise of its output, over that of this row.
     pub fn weight(&self, run: usize, row: usize, output: usize) -> f64 {
         self.weights.get(run).and_then(|own| own.get(row * self.outputs() + output)).copied().unwrap_or(1.0)
+    }
+
+    /// Noise of a reading.
+    pub fn noise_of_reading(&self, run: usize, row: usize, output: usize) -> f64 {
+        self.sigma(output) / self.weight(run, row, output)
     }
 
     /// The setup with another input in these runs; `change` gets drives, run, row and reading.
@@ -435,7 +440,7 @@ impl<'a> Setup<'a> {
         let (mut sum, mut count) = (0.0, 0);
         for (run, shown) in runs.iter().zip(shown) {
             self.each(*run, shown, |row, output, off| {
-                sum += (off * self.weight(*run, row, output) / self.sigma(output)).powi(2);
+                sum += (off / self.noise_of_reading(*run, row, output)).powi(2);
                 count += 1;
             });
         }
@@ -447,7 +452,7 @@ impl<'a> Setup<'a> {
         let mut sums = vec![0.0; self.outputs()];
         for (run, shown) in runs.iter().zip(shown) {
             self.each(*run, shown, |row, output, off| {
-                sums[output] += (off * self.weight(*run, row, output) / self.sigma(output)).powi(2);
+                sums[output] += (off / self.noise_of_reading(*run, row, output)).powi(2);
             });
         }
         sums

@@ -11,6 +11,7 @@ use crate::initial::{self, Started, Warm};
 use crate::overrides::Override;
 use crate::smoothing;
 use physics::model::{Declaration, Model, ModelType, Slot};
+use physics::terms::{GenericTerm, Law, MOST_DRIVERS, Port, Product};
 use std::sync::Arc;
 
 /// Model with the start values of an experiment, which can be run with other parameters.
@@ -100,6 +101,12 @@ impl Bench {
             inputs: of(&experiment.inputs, |c| c.input)?,
             outputs: of(&experiment.outputs, |c| c.output)?,
         })
+    }
+
+    /// Whether the model takes laws.
+    pub fn takes_laws(&self) -> bool {
+        let law = Law::Product(Product { coefficient: 1.0, factors: [None; MOST_DRIVERS] });
+        self.template.refusal(&GenericTerm::new(Port::HousingHeat, law)).is_none()
     }
 
     /// Start value of a parameter.

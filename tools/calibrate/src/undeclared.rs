@@ -20,7 +20,7 @@
 //! *Source*: evidence and its penalty as for effects (`evidence.rs`, `selection.rs`).
 
 use crate::CalibrateError;
-use crate::catalogue::shapes_an_effect;
+use crate::catalogue::{is_of_an_effect, shapes_an_effect};
 use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::levels::{NEARLY, PART};
@@ -45,8 +45,6 @@ pub const DEVIATION: f64 = 1.0;
 const START_VALUES: &str = "initial.";
 /// Reference temperatures: definitions of other values, and no unknowns.
 const REFERENCE: &str = ".T_ref";
-/// Group of the effects.
-const EFFECTS: &str = "effect.";
 
 /// Whether the preset has a value other than 0 for it.
 pub fn is_stated(parameter: &Declared) -> bool {
@@ -155,19 +153,16 @@ pub fn better_than_effects<'a>(
 
 /// Every parameter of the model that has a value in the preset and that the experiment does not mention.
 fn candidates(setup: &Setup) -> Vec<Declared> {
-    let (set, runs) = (&setup.experiment.set, &setup.experiment.runs);
-    let is_set =
-        |name: &str| set.iter().chain(runs.iter().flat_map(|r| &r.set)).any(|(known, _)| known == name);
     let is_open = |entry: &&Entry| {
         entry.row.causality == Causality::Parameter
             && matches!(entry.row.kind, Kind::Real)
-            && (setup.bench.start_of(entry.slot) != 0.0 || !entry.name.starts_with(EFFECTS))
+            && (setup.bench.start_of(entry.slot) != 0.0 || !is_of_an_effect(&entry.name))
             && !entry.name.starts_with(START_VALUES)
             && !entry.name.ends_with(REFERENCE)
             && !shapes_an_effect(&entry.name)
             && !setup.declared.iter().any(|d| d.slot == entry.slot)
             && !setup.kept.contains(&entry.name)
-            && !is_set(&entry.name)
+            && !setup.experiment.sets(&entry.name)
     };
     let entries = setup.bench.declaration().entries.iter().filter(is_open);
     let own = |entry: &Entry| {

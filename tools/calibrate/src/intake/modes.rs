@@ -11,6 +11,7 @@
 //! *Source*: as for mistakes in columns (`consistency.rs`).
 
 use crate::CalibrateError;
+use crate::catalogue::is_of_an_effect;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
@@ -23,8 +24,6 @@ use std::time::Instant;
 /// Part of the time for the checks in which other modes are tried, those that are simulated fastest first. Numerical: a limit of effort; a fit of
 /// a cooling mode with a network of nodes takes a thousand times as long as one without.
 const SHARE: f64 = 1.0 / 32.0;
-/// Group of the effects, whose settings are candidates of the search.
-const EFFECTS: &str = "effect.";
 
 /// Takes the mode by which the data agree with the model, with a note.
 ///
@@ -85,12 +84,10 @@ fn setup<'a>(
 
 /// Every other item of the modes that neither the experiment nor its inputs state.
 fn unstated(setup: &Setup) -> Vec<(String, &'static Item)> {
-    let (set, runs) = (&setup.experiment.set, &setup.experiment.runs);
-    let is_set = |name: &str| set.iter().chain(runs.iter().flat_map(|r| &r.set)).any(|(own, _)| own == name);
     let open = setup.bench.declaration().entries.iter().filter(|entry| {
         entry.row.causality == Causality::Parameter
-            && !entry.name.starts_with(EFFECTS)
-            && !is_set(&entry.name)
+            && !is_of_an_effect(&entry.name)
+            && !setup.experiment.sets(&entry.name)
     });
     let items = open.filter_map(|entry| match entry.row.kind {
         Kind::Enumeration(table) => Some((entry, table.items)),

@@ -151,3 +151,10 @@ fn noise_of_means() {
     assert!(!means.noise.contains_key("winding_temperature_degC"));
     assert!((of("housing_temperature_degC", &means) * 12f64.sqrt() / 0.1 - 1.0).abs() < 1e-6);
 }
+
+/// A block in which a load changes its sign by more than its noise has no readings of outputs; one at rest has.
+#[test]
+fn means_over_a_reversal_have_no_readings() {
+    assert!(turns(&[-3.0, f64::NAN, 2.0], 1.0));
+    assert!(!turns(&[-3.0, 0.5, 0.2], 1.0) && !turns(&[2.0, 3.0], 1.0) && !turns(&[f64::NAN], 0.0));
+}
