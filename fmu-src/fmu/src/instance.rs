@@ -98,11 +98,12 @@ impl Instance {
         let Some(mut model) = crate::new_model(kind, &resources) else {
             let load =
                 resources.load.as_ref().map(|_| format!("the load table of {}", terms::load::FILE_NAME));
-            let count = resources.terms.len();
-            let terms = (count > 0).then(|| format!("the {count} terms of {}", terms::FILE_NAME));
+            let terms = (!resources.terms.is_empty()).then(|| format!("the terms of {}", terms::FILE_NAME));
             let name = (kind.declaration)().name;
             let data: Vec<String> = terms.into_iter().chain(load).collect();
-            return Err(Refused::error(format!("{name} does not accept {}.", data.join(" and "))));
+            let why = resources.terms.iter().find_map(|term| (kind.new)().refusal(term));
+            let why = why.map_or(String::new(), |why| format!(": {why}"));
+            return Err(Refused::error(format!("{name} does not accept {}{why}.", data.join(" and "))));
         };
         if interface == Interface::ModelExchange {
             model.enter_model_exchange();

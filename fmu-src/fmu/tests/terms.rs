@@ -51,6 +51,16 @@ fn current(motor: &Importer) -> f64 {
     motor.get("current")
 }
 
+/// A term that the model does not take, in resources that somebody changed, is refused with the reason.
+#[test]
+fn a_term_of_a_fan_is_refused_where_there_is_none() {
+    let fan = DROP.replace("terminal_voltage", "fan_flow").replace("\"V\"", "\"1\"").replace("2.0", "0.5");
+    let resources = resources(&fan);
+    let gearmotor = physics::models::by_name("BrushedGearmotor").unwrap();
+    let message = refusal(gearmotor, CS3, TERMS, Some(&uri(&resources)));
+    assert!(message.contains("does not accept the terms of effects.json: it has no fan"), "{message}");
+}
+
 #[test]
 fn a_term_reaches_the_motor_and_survives_reset_and_serialization() {
     let resources = resources(DROP);

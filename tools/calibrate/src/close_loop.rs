@@ -28,7 +28,7 @@ use crate::search::{Scored, best_memory_term, latent_input_at, search};
 use crate::selection::{Candidate, Known, Round, shares};
 use crate::separate::separate;
 use crate::setup::Setup;
-use crate::undeclared::better_than_effects;
+use crate::undeclared::{better_than_effects, in_place_of_effects};
 use judgement::BOXES;
 pub use judgement::Judgement;
 use physics::terms::Port;
@@ -192,6 +192,12 @@ fn attempt<'a>(
     }
     if let Some(unusable) = deadline.in_time(search_of.error_of_an_input())?.flatten() {
         return Err(Refusal::Unusable(unusable));
+    }
+    if search_of.taken().is_none()
+        && let Some(mut released) = deadline.in_time(in_place_of_effects(&search_of.first))?.flatten()
+    {
+        released.setup.noise = measured;
+        return attempt(released.setup, Ok(released.fitted), options, progress);
     }
     if let Err(e) = search_of.refine() {
         search_of.notes.push(format!("the accepted function could not be refined: {e}"));

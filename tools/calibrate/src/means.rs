@@ -9,6 +9,7 @@ use crate::experiment::{Experiment, Run};
 use crate::levels::{CERTAIN, NEGLIGIBLE, SMALL, STRUCTURE};
 use crate::noise;
 use crate::numbers::{median, range};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Rows of all runs together from which means take their place in a search. Definition: four runs of 1.5 h with a row every 2 s, for which
@@ -28,6 +29,8 @@ pub struct Division {
     pub pieces: Vec<Range<usize>>,
     /// What the mean square of a load may lose, relative to its greatest in a run.
     pub loss: f64,
+    /// Whether outputs have readings where a load changes its sign within a block.
+    pub keeps_reversals: bool,
 }
 
 impl Experiment {
@@ -44,7 +47,8 @@ impl Experiment {
         let (mut means, lengths) = self.with_means(|run| {
             let interval = median(run.table.time.windows(2).map(|pair| pair[1] - pair[0]));
             let length = (all / MEANS / interval).round().max(1.0) as usize;
-            pieces(run, &steps).map(|pieces| Division { length, pieces, loss: NEGLIGIBLE * STRUCTURE })
+            let loss = NEGLIGIBLE * STRUCTURE;
+            pieces(run, &steps).map(|pieces| Division { length, pieces, loss, keeps_reversals: false })
         });
         let (least, most) = (*lengths.iter().min()?, *lengths.iter().max()?);
         if most == 1 {
@@ -64,7 +68,10 @@ impl Experiment {
                 *stated = stated.hypot(quantised);
             }
         }
-        let logged: usize = self.runs.iter().map(|run| run.table.logged).sum();
+        // Windows of a file are runs of their own.
+        let files: BTreeMap<&str, usize> =
+            self.runs.iter().map(|run| (run.file.as_str(), run.table.logged)).collect();
+        let logged: usize = files.values().sum();
         let now: usize = means.runs.iter().map(|run| run.table.time.len()).sum();
         let of = if least == most { format!("{most}") } else { format!("{least} to {most}") };
         means.notes.push(format!(
@@ -84,7 +91,9 @@ impl Experiment {
         let still: Vec<(usize, f64)> = self.loads().map(|k| (k, CERTAIN * noise(k))).collect();
         let mut means = self.clone();
         let average = |run: &mut Run| {
-            let Some(Division { mut length, pieces, loss }) = division(run) else { return 1 };
+            let Some(Division { mut length, pieces, loss, keeps_reversals }) = division(run) else {
+                return 1;
+            };
             let blocks = |length: usize| -> Vec<Range<usize>> {
                 let of = |rows: &Range<usize>| {
                     let end = rows.end;
@@ -118,7 +127,7 @@ impl Experiment {
                     column.iter_mut().zip(&blocks).skip(1).filter(|(_, rows)| 2 * rows.len() < length);
                 short.for_each(|(reading, _)| *reading = f64::NAN);
                 // Where loads alternate, hardly a block is left.
-                if (turned.len() as f64) < SMALL * blocks.len() as f64 {
+                if !keeps_reversals && (turned.len() as f64) < SMALL * blocks.len() as f64 {
                     turned.iter().for_each(|n| column[*n] = f64::NAN);
                 }
             }

@@ -9,9 +9,10 @@
 //! p_n the nominal value of the declaration, an ordinary one.
 //!
 //! The parameters that explain most of the residual are fitted one by one with the declared parameters, as if they had a prior with a
-//! standard deviation of their own value. The best one is kept in two cases:
+//! standard deviation of their own value. The best one is kept in three cases:
 //! - before the search, if the data contradict the model by more than a missing effect does (`intake/consistency.rs`);
-//! - in the search, if it explains the fit runs at least as well as every effect, and the error of the validation runs falls.
+//! - in the search, if it explains the fit runs at least as well as every effect, and the error of the validation runs falls;
+//! - after a search that finds nothing, if it explains all that the fit leaves.
 //!
 //! A parameter that is 0 may stand for something that nobody stated: a coefficient of magnets or of a grease over temperature, the heat
 //! capacity of a gear. The outputs follow it by (1). A parameter with which they jump is a switch and no candidate; neither is a start value, nor
@@ -23,6 +24,7 @@ use crate::CalibrateError;
 use crate::catalogue::{is_of_an_effect, shapes_an_effect};
 use crate::experiment::Role;
 use crate::fit::Fitted;
+use crate::instruments::explain_rest;
 use crate::levels::{NEARLY, PART};
 use crate::linearization::Linearization;
 use crate::parallel;
@@ -149,6 +151,20 @@ pub fn better_than_effects<'a>(
     };
     let is_better = runs.is_empty() || error(&own.setup, &own.fitted)? < error(setup, &point.fitted)?;
     Ok(is_better.then_some(own))
+}
+
+/// The parameter with which the fit and validation runs of `point`, a fit that no effect and no law improves, are explained to within the error
+/// of instruments; `None` if there is none, or if they are without it.
+///
+/// # Errors
+/// The message of the model if it cannot be run.
+pub fn in_place_of_effects<'a>(point: &Linearization<'a>) -> Result<Option<Released<'a>>, CalibrateError> {
+    let roles = [Role::Fit, Role::Validate];
+    if explain_rest(point.setup, &point.fitted, &roles)? {
+        return Ok(None);
+    }
+    let Some(own) = best(point, LEAST, |_| true) else { return Ok(None) };
+    Ok(explain_rest(&own.setup, &own.fitted, &roles)?.then_some(own))
 }
 
 /// Every parameter of the model that has a value in the preset and that the experiment does not mention.

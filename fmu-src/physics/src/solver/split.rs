@@ -42,6 +42,8 @@ use square::Squares;
 /// Relative tolerance of one step on the error of temperatures and energies, and on the stage error where
 /// rates are nonlinear within a stiff step ([`System::bends_where_stiff`]).
 const TOLERANCE: f64 = 1e-7;
+/// Ratio of an eased tolerance on current and speed to that on heat: an error of current or speed passes, one of heat adds up.
+const EASED: f64 = 10.0;
 /// Relative tolerance of one step on the stage error elsewhere, an estimate of the method's own order, on the effect of the coupling
 /// error on the fast block, and on its line error where rates are nonlinear within a stiff step.
 const STAGE_TOLERANCE: f64 = 1e-6;
@@ -135,13 +137,14 @@ impl<const N: usize> Split<N> {
         split.with_tolerances()
     }
 
-    /// The same with the tolerances: [`TOLERANCE`] times `ease`, and those of stage and line error, at least as large; all times `scale`.
+    /// The same with the tolerances: [`TOLERANCE`] times `ease`, and those of stage and line error, at least as large, when eased
+    /// [`EASED`] times as large; all times `scale`.
     fn with_tolerances(mut self) -> Self {
         let tolerance = TOLERANCE * self.ease;
+        let fast = if self.ease > 1.0 { EASED * tolerance } else { tolerance };
         let limits = [[STAGE_TOLERANCE, LINE_TOLERANCE], [TOLERANCE, STAGE_TOLERANCE]];
         self.per_tolerance = limits.map(|[stage, line]| {
-            [tolerance, tolerance.max(stage), tolerance.max(line)]
-                .map(|tolerance| 1.0 / (tolerance * self.scale))
+            [tolerance, fast.max(stage), fast.max(line)].map(|tolerance| 1.0 / (tolerance * self.scale))
         });
         self
     }

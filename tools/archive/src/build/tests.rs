@@ -112,6 +112,31 @@ fn effects_are_packed_and_checked() {
     assert!(make(&file).unwrap_err().to_string().contains("nowhere"));
 }
 
+/// A term is refused with its name or port and with what the model lacks.
+#[test]
+fn a_model_says_why_it_does_not_take_a_term() {
+    let why = |model: &str, term: &str| {
+        let file =
+            TermsFile::parse(&format!(r#"{{"format": "motor-fmu effects 1", "terms": [{term}]}}"#), "x.json");
+        let contents = Contents { effects: Some(&file.unwrap()), ..Contents::default() };
+        resources(models::by_name(model).unwrap(), contents).err().map(|error| error.to_string())
+    };
+    let by = |port: &str, driver: &str| {
+        format!(
+            r#"{{"name": "duct", "port": "{port}", "coefficient": 0.1, "drivers": [{{"driver": "{driver}", "reference": 1.0}}]}}"#
+        )
+    };
+    for term in [by("fan_flow", "speed"), by("housing_heat", "fan_command")] {
+        assert_eq!(why("AnnulusCooledMotor", &term), None);
+        let sentence = "effects.json: BrushedGearmotor does not take the term \"duct\": it has no fan";
+        assert_eq!(why("BrushedGearmotor", &term).unwrap(), sentence);
+    }
+    assert_eq!(why("BrushedGearmotor", &by("housing_heat", "speed")), None);
+    let nameless = r#"{"port": "drag_torque", "coefficient": 1e-3}"#;
+    let sentence = "effects.json: GaitLoad does not take the term at port drag_torque: it takes no terms";
+    assert_eq!(why("GaitLoad", nameless).unwrap(), sentence);
+}
+
 #[test]
 fn a_preset_for_another_model_is_refused() {
     let mut preset = Preset::load("maxon-305015").unwrap();

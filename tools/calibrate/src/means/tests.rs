@@ -72,6 +72,7 @@ fn a_step_stays_a_step() {
             length: 5,
             pieces: std::iter::once(0..run.table.time.len()).collect(),
             loss: STRUCTURE,
+            keeps_reversals: true,
         })
     };
     let (ramps, _) = experiment.with_means(whole);
