@@ -57,7 +57,7 @@ fn a_term_of_a_fan_is_refused_where_there_is_none() {
     let fan = DROP.replace("terminal_voltage", "fan_flow").replace("\"V\"", "\"1\"").replace("2.0", "0.5");
     let resources = resources(&fan);
     let gearmotor = physics::models::by_name("BrushedGearmotor").unwrap();
-    let message = refusal(gearmotor, CS3, TERMS, Some(&uri(&resources)));
+    let message = refusal(gearmotor, CS2, TERMS, Some(&uri(&resources)));
     assert!(message.contains("does not accept the terms of effects.json: it has no fan"), "{message}");
 }
 
