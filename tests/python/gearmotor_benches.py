@@ -73,12 +73,9 @@ def power(port, coefficient, driver, reference, exponent=1.0, offset=0.0, **furt
 
 
 MASS = {"driver": "housing_temperature", "tau": 200.0, "difference": True}
-LATE = {"driver": "friction_loss", "tau": 250.0}
 LAWS = {
-    "friction by a root of the speed": Case(term=power("drag_torque", 0.25, "speed", 8.0, 0.5)),
     "a housing sensor that errs with the speed": Case(term=power("housing_sensor", -2.0, "speed", 8.0)),
     "a mass on the housing": Case(term=power("housing_heat", 0.3, "housing_temperature", 1.0, lag=MASS)),
-    "friction that falls with its own heat": Case(term=power("drag_torque", -0.15, "friction_loss", 1.0, lag=LATE)),
     "a joint that conducts better in motion": Case(term=power("winding_housing_resistance", -0.3, "speed", 8.0, 0.8)),
 }
 

@@ -35,7 +35,8 @@ def test_an_effect_of_no_list_is_found_and_added(name, program, tmp_path):
     [law] = [effect["law"] for effect in report["effects"]]
     assert law["port"] == term["port"] and [driver["driver"] for driver in law["drivers"]] == [term["drivers"][0]["driver"]]
     assert ("lag" in law) == ("lag" in term)
-    assert law["drivers"][0]["exponent"] == pytest.approx(term["drivers"][0]["exponent"], rel=0.1)
+    # The resistance without the law and its exponent are determined by the same temperatures.
+    assert law["drivers"][0]["exponent"] == pytest.approx(term["drivers"][0]["exponent"], rel=0.2)
     # Runs that no fit has seen: the repaired model predicts them to their noise.
     for channel, error in report["error"]["test"].items():
         assert error["after"] < 1.3 * error["floor"], (channel, error)
