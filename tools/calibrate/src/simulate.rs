@@ -279,6 +279,12 @@ impl Bench {
     pub fn inputs(&self) -> &[Slot] {
         &self.inputs
     }
+
+    /// The value that the model uses for a reading of the `k`-th input.
+    pub fn limited(&self, k: usize, reading: f64) -> f64 {
+        let entry = self.declaration().entries.iter().find(|e| e.slot == self.inputs[k]);
+        entry.map_or(reading, |e| e.row.limited(reading))
+    }
 }
 
 /// The message of a model as an error.

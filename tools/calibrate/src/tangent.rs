@@ -51,8 +51,10 @@ pub enum Probe {
     /// A port, perturbed by a constant term.
     Port(Port),
     /// An input, by its index in the experiment, and the standard deviation of its noise: the least perturbation, because near a bend (of a
-    /// bridge at a duty of 0) a model follows noise by less or more than by its slope. At the first row it also perturbs initial temperatures
-    /// that depend on it. Source: statistical linearization, Gelb (ed.), Applied Optimal Estimation (1974), sec. 6.2.
+    /// bridge at a duty of 0) a model follows noise by less or more than by its slope. Near 0 it is perturbed in both directions: a model that
+    /// switches there (a bridge that coasts at a duty of 0) has another output for any other reading, but not in proportion to it. At the first
+    /// row it also perturbs initial temperatures that depend on it. Source: statistical linearization, Gelb (ed.), Applied Optimal Estimation
+    /// (1974), sec. 6.2.
     Input(usize, f64),
 }
 
@@ -403,6 +405,8 @@ struct Moved {
     probe: Probe,
     way: f64,
     there: Instant,
+    /// With the perturbation in the other direction.
+    back: Instant,
     direction: Direction,
 }
 
@@ -448,19 +452,28 @@ impl Moved {
         let start: Vec<f64> = from.iter().zip(&to).map(|(a, b)| (b - a) / way).collect();
         let all = |of_row: usize| Vec::with_capacity(drive.time.len() * of_row);
         let direction = Direction { rates: all(start.len()), outputs: all(bench.outputs().len()), start };
-        Some(Moved { model, probe: probe.clone(), way, there: Instant::default(), direction })
+        Some(Moved { model, probe: probe.clone(), way, there: Instant::default(), back: Instant::default(), direction })
     }
 
     fn look(&mut self, bench: &Bench, drive: &Drive, row: usize, states: &[f64], here: &Instant) {
         let model = self.model.as_mut();
         drive.hold(model, bench.inputs(), row);
+        let mut base = (here, self.way);
         if let Probe::Input(k, _) = self.probe {
-            model.set(bench.inputs()[k], drive.input(k, row) + self.way);
+            let (slot, reading) = (bench.inputs()[k], drive.input(k, row));
+            let back = reading - self.way;
+            if reading.abs() < self.way && bench.limited(k, back) == back {
+                model.set(slot, back);
+                model.set_states(drive.time[row], states);
+                self.back.read(model, bench.outputs());
+                base = (&self.back, 2.0 * self.way);
+            }
+            model.set(slot, reading + self.way);
         }
         model.set_states(drive.time[row], states);
         self.there.read(model, bench.outputs());
-        let there = &self.there;
-        let slope = |(there, here): (&f64, &f64)| (there - here) / self.way;
+        let (there, (here, way)) = (&self.there, base);
+        let slope = |(there, here): (&f64, &f64)| (there - here) / way;
         self.direction.rates.extend(there.rates.iter().zip(&here.rates).map(slope));
         self.direction.outputs.extend(there.outputs.iter().zip(&here.outputs).map(slope));
     }
