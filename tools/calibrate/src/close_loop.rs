@@ -7,6 +7,7 @@
 //! 4. If a latent input explains a residual that no present value of a driver explains, the effect depends on history.
 //! 5. The test runs are evaluated.
 
+mod joint;
 mod judgement;
 mod refine;
 mod repeated;
@@ -29,6 +30,7 @@ use crate::selection::{Candidate, Known, Round, shares};
 use crate::separate::separate;
 use crate::setup::Setup;
 use crate::undeclared::{better_than_effects, in_place_of_effects};
+use joint::Joint;
 use judgement::BOXES;
 pub use judgement::Judgement;
 use physics::terms::Port;
@@ -177,7 +179,7 @@ fn attempt<'a>(
                 count_of(setup.declared.len(), "parameter")
             ));
         }
-        return Ok(estimates::outcome(&setup, &point, &refit.hypothesis, judgement)?);
+        return Ok(estimates::outcome(&setup, &point, judgement)?);
     };
     search_of.rounds(progress);
     // A clear result at the start makes the second search unnecessary.
@@ -202,14 +204,23 @@ fn attempt<'a>(
     if let Err(e) = search_of.refine() {
         search_of.notes.push(format!("the accepted function could not be refined: {e}"));
     }
+    let joint = match deadline.in_time(search_of.joint()) {
+        Ok(joint) => joint.flatten(),
+        Err(e) => {
+            search_of.notes.push(format!(
+                "fit and validation runs could not be evaluated together, the estimates are those of the fit runs: {e}"
+            ));
+            None
+        }
+    };
     let is_cut = deadline.is_near();
     search_of.is_cut = is_cut;
     deadline.lift();
     progress(0.85, "judging what was found");
-    let mut verdict = search_of.verdict()?;
+    let mut verdict = search_of.verdict(joint)?;
     verdict.time_for_boxes = for_boxes;
     verdict.is_cut = is_cut;
-    Ok(estimates::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?)
+    Ok(estimates::outcome(&setup, &search_of.first, verdict)?)
 }
 
 /// State of a search.
@@ -270,7 +281,8 @@ impl<'a> Search<'a> {
             .then(|| switched(scored, free))
     }
 
-    fn verdict(&mut self) -> Result<Judgement<'a>, CalibrateError> {
+    /// The verdict on what was accepted, with the final estimates if there are any.
+    fn verdict(&mut self, joint: Option<Joint<'a>>) -> Result<Judgement<'a>, CalibrateError> {
         let rounds = self.rounds.iter().enumerate();
         let candidate_table: Vec<Evidence> = rounds
             .flat_map(|(k, round)| round.candidate_table(k + 1))
@@ -340,6 +352,10 @@ impl<'a> Search<'a> {
                 judgement.hypothesis = point.fitted.hypothesis.clone();
                 judgement.point = Some(point);
             }
+        }
+        if let Some(Joint { first, point, of_fit_runs }) = joint {
+            judgement.hypothesis = point.fitted.hypothesis.clone();
+            (self.first, judgement.point, judgement.of_fit_runs) = (first, Some(point), Some(of_fit_runs));
         }
         let partly: Vec<bool> = judgement.hypothesis.additions.iter().map(|a| !a.is_in_every_run()).collect();
         judgement.hypothesis = acting(setup, &judgement.hypothesis, &unfitted)?;

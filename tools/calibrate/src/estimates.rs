@@ -32,12 +32,7 @@ const CORRELATED: f64 = 0.9;
 ///
 /// # Errors
 /// The model's error if it cannot be simulated.
-pub fn outcome(
-    setup: &Setup,
-    first: &Linearization,
-    refit: &Hypothesis,
-    judged: Judgement,
-) -> Result<Outcome, CalibrateError> {
+pub fn outcome(setup: &Setup, first: &Linearization, judged: Judgement) -> Result<Outcome, CalibrateError> {
     // What was found with means over rows is evaluated at the rows as measured.
     let means = setup;
     let setup = &means.at_all_rows(&judged.hypothesis)?;
@@ -112,7 +107,7 @@ pub fn outcome(
         .collect();
     let all: Vec<usize> = (0..experiment.runs.len()).collect();
     let before = exact.show(&setup.preset(), &all)?;
-    let fitted = exact.show(refit, &all)?;
+    let fitted = exact.show(&first.fitted.hypothesis, &all)?;
     let (after, ends): (Vec<Shown>, Vec<_>) = exact.show_to_end(&hypothesis, &all)?.into_iter().unzip();
     let ended = |(run, why): (&usize, Option<String>)| {
         why.map(|why| {
@@ -127,7 +122,7 @@ pub fn outcome(
     }
     let mut errors = Vec::new();
     let mut half_widths = vec![Shown::new(); all.len()];
-    // The structure error of the fit runs, then that of the validation runs, which are not fitted.
+    // The structure error of the fit runs, then that of the validation runs as predicted from the fit runs.
     let mut structure = None;
     for role in ROLES {
         let runs = setup.runs(role);
@@ -146,7 +141,11 @@ pub fn outcome(
             prediction::variance(setup, &hypothesis, &slopes, place, &covariance)
         });
         let own: Vec<&Shown> = runs.iter().map(|r| &after[*r]).collect();
-        let of_role = prediction::structure(setup, &runs, &own, &variances);
+        let of_fit_runs = judged.of_fit_runs.as_ref().filter(|_| role == Role::Validate);
+        let of_fit_runs = of_fit_runs.map(|h| exact.show(h, &runs)).transpose()?;
+        let predicted = of_fit_runs.as_ref().map_or_else(|| own.clone(), |all| all.iter().collect());
+        let of_role = prediction::structure(setup, &runs, &predicted, &variances);
+        notes.extend(of_fit_runs.map(|predicted| jointly(setup, &setup.rmse(&runs, &predicted))));
         let used = structure.get_or_insert_with(|| of_role.clone());
         for (run, variance) in runs.iter().zip(&variances) {
             half_widths[*run] = prediction::half_widths(setup, &after[*run], variance, used);
@@ -267,12 +266,7 @@ fn wrong_tests(setup: &Setup, found: &Hypothesis, errors: &[ChannelError]) -> Ve
 /// One sentence about the disagreement between runs, if it is counted as noise.
 fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
     let of_fit = errors.iter().filter(|e| e.role == Role::Fit && !setup.between.is_empty());
-    let parts: Vec<String> = of_fit
-        .map(|e| {
-            let (name, unit) = column_words(e.column);
-            format!("{name} {}", with_unit(e.refit, unit))
-        })
-        .collect();
+    let parts: Vec<String> = of_fit.map(|e| of_channel(e.column, e.refit)).collect();
     (!parts.is_empty()).then(|| {
         let (what, effect) = match setup.runs(Role::Fit).len() {
             1 => ("the fit run deviates from the model", "describes this run"),
@@ -284,6 +278,23 @@ fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
             parts.join(", ")
         )
     })
+}
+
+/// A value of a channel, in words.
+fn of_channel(column: &str, value: f64) -> String {
+    let (name, unit) = column_words(column);
+    format!("{name} {}", with_unit(value, unit))
+}
+
+/// One sentence about final estimates from fit and validation runs together, with the error of the validation runs before.
+fn jointly(setup: &Setup, errors: &[f64]) -> String {
+    let known = setup.experiment.outputs.iter().zip(errors).filter(|(_, error)| error.is_finite());
+    let parts: Vec<String> = known.map(|(channel, error)| of_channel(channel.column, *error)).collect();
+    format!(
+        "refit and after were finally estimated from the fit and validation runs together, since there are test runs; estimated from the fit \
+         runs alone, the model with its effects predicted the validation runs with an error (RMSE) of {}",
+        parts.join(", ")
+    )
 }
 
 /// Whether one hypothesis may replace another according to simulated errors: the error of the fit and validation runs together hardly

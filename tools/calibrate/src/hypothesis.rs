@@ -211,12 +211,17 @@ impl Addition {
 
     /// Whether it is a table.
     pub fn is_table(&self) -> bool {
-        matches!(self.shape, Shape::Table { .. })
+        self.axes().is_some()
+    }
+
+    /// The drivers of a table.
+    pub fn axes(&self) -> Option<&[Axis]> {
+        if let Shape::Table { axes, .. } = &self.shape { Some(axes) } else { None }
     }
 
     /// Number of parameters in the complexity penalty: half for each driver of a table, since neighbouring values are correlated.
     pub fn price(&self) -> f64 {
-        let drivers = if let Shape::Table { axes, .. } = &self.shape { axes.len() as i32 } else { 0 };
+        let drivers = self.axes().map_or(0, <[Axis]>::len) as i32;
         POINT_PRICE.powi(drivers) * self.numbers.len() as f64
     }
 

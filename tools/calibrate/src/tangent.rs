@@ -452,7 +452,14 @@ impl Moved {
         let start: Vec<f64> = from.iter().zip(&to).map(|(a, b)| (b - a) / way).collect();
         let all = |of_row: usize| Vec::with_capacity(drive.time.len() * of_row);
         let direction = Direction { rates: all(start.len()), outputs: all(bench.outputs().len()), start };
-        Some(Moved { model, probe: probe.clone(), way, there: Instant::default(), back: Instant::default(), direction })
+        Some(Moved {
+            model,
+            probe: probe.clone(),
+            way,
+            there: Instant::default(),
+            back: Instant::default(),
+            direction,
+        })
     }
 
     fn look(&mut self, bench: &Bench, drive: &Drive, row: usize, states: &[f64], here: &Instant) {

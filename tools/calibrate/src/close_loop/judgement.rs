@@ -41,6 +41,8 @@ pub struct Judgement<'a> {
     pub point: Option<Linearization<'a>>,
     /// The model with the runs in which each addition is active, including held-out runs.
     pub hypothesis: Hypothesis,
+    /// If the model was finally estimated from fit and validation runs together: that of the fit runs alone.
+    pub of_fit_runs: Option<Hypothesis>,
     /// Added effects, without the final parameter values.
     pub effects: Vec<Found>,
     /// Residual without an identified law.
@@ -78,6 +80,7 @@ impl Judgement<'_> {
             time_for_boxes: BOXES.0,
             is_cut: false,
             point: None,
+            of_fit_runs: None,
             hypothesis: point.fitted.hypothesis.clone(),
             effects: Vec::new(),
             unexplained: None,

@@ -17,7 +17,7 @@ use crate::beyond;
 use crate::evidence::Gain;
 use crate::experiment::Role;
 use crate::fit::Fitted;
-use crate::hypothesis::{Addition, Axis, Shape, weight};
+use crate::hypothesis::{Addition, Axis, Hypothesis, Shape, values as count_of, weight};
 use crate::linearization::Linearization;
 use crate::numbers::ends;
 use crate::outcome::Follows;
@@ -25,7 +25,7 @@ use crate::search::{kernel, spread, table, table_values};
 use crate::selection::NEAR;
 use crate::tangent::Tangent;
 use nalgebra::DMatrix;
-use physics::terms::Port;
+use physics::terms::{Driver, Port};
 
 /// Points of a refined function. Numerical: a sine of two periods deviates by a tenth of its amplitude between two of them.
 const POINTS: usize = 13;
@@ -87,7 +87,7 @@ impl<'a> Search<'a> {
         else {
             return Ok(None);
         };
-        let (least, most) = ends(Self::reached(point, k).into_iter().flatten());
+        let (least, most) = ends(reached(point, k, *driver).into_iter().flatten());
         // A magnitude is between 0 and its greatest value.
         let range = (if driver.has_sides() { least } else { 0.0 }, most.min(factor.range.1));
         if !most.is_finite() || range == factor.range {
@@ -101,18 +101,6 @@ impl<'a> Search<'a> {
         Linearization::judged(setup, fitted, &point.runs).map(Some)
     }
 
-    /// Values of the first driver of the `k`-th addition in the runs, as it takes them; none where it does not act.
-    fn reached(point: &Linearization, k: usize) -> Vec<Vec<f64>> {
-        let hypothesis = &point.fitted.hypothesis;
-        let own = &hypothesis.additions[k];
-        let of_run = |(run, tangent): (&usize, &Tangent)| {
-            let (place, driver) = (hypothesis.place(k, *run)?, own.follows.drivers().next()?);
-            Some(beyond::values(&own.term()?, place, driver, &tangent.drivers))
-        };
-        let tangents = point.runs.iter().zip(&point.slopes.tangents);
-        tangents.map(|own| of_run(own).unwrap_or_default()).collect()
-    }
-
     /// Whether the errors of the validation runs are larger than those of the present model.
     fn is_worse(&self, fitted: &Fitted) -> bool {
         let is_worse = |known: f64| self.validation_errors(fitted).is_none_or(|own| own > known);
@@ -122,42 +110,10 @@ impl<'a> Search<'a> {
     /// The model with its `k`-th addition refined; `None` if that is not a function of one driver, or no better refined.
     fn refined(&self, k: usize) -> Result<Option<Linearization<'a>>, CalibrateError> {
         let (setup, point) = (self.setup, self.point());
-        let mut without = point.fitted.hypothesis.clone();
-        let own = without.additions.remove(k);
-        let Shape::Table { axes, .. } = &own.shape else { return Ok(None) };
-        let ([axis], Some(port)) = (&axes[..], Port::ALL.iter().find(|port| **port == own.port)) else {
+        let is_of_one = point.fitted.hypothesis.additions[k].axes().is_some_and(|axes| axes.len() == 1);
+        let Some(hypothesis) = is_of_one.then(|| tabulated(point, k)).transpose()?.flatten() else {
             return Ok(None);
         };
-        let base = Linearization::beside(setup, setup.judged(without, &point.runs)?, &point.runs, port)?;
-        let Some(term) = own.term() else { return Ok(None) };
-        let reached = Self::reached(point, k);
-        let values = reached.iter().flatten().map(|x| axis.at(*x)).collect();
-        let Some(knots) = spread(values, POINTS, None) else { return Ok(None) };
-        let finer = Axis { knots, ..axis.clone() };
-        let columns = |axis: &Axis| {
-            let axes = std::slice::from_ref(axis);
-            base.port_columns(*port, axis.knots.len(), |n, r, row, _| {
-                let is_on = own.active[base.runs[r]];
-                if is_on { weight(axes, n, |_| reached[r][row]) } else { 0.0 }
-            })
-        };
-        let present = columns(axis).and_then(|columns| base.evidence.shape(&columns, &kernel(axes)));
-        let (Some(present), Some(columns)) = (present, columns(&finer)) else { return Ok(None) };
-        let range = axis.knots[axis.knots.len() - 1] - axis.knots[0];
-        let tried = COVARIANCES.iter().flat_map(|of| LENGTHS.map(|length| (*of, length * range)));
-        let found = tried.filter_map(|(of, length)| {
-            let covariance = covariance(&finer.knots, of, length);
-            Some((base.evidence.shape(&columns, &covariance)?, covariance))
-        });
-        let best = found.max_by(|a, b| a.0.whitened.total_cmp(&b.0.whitened));
-        let is_more = |(gain, _): &(Gain, _)| gain.whitened > present.whitened + NEAR;
-        let Some((gain, covariance)) = best.filter(is_more) else { return Ok(None) };
-        let mut hypothesis = point.fitted.hypothesis.clone();
-        let finer = vec![finer];
-        let mut numbers =
-            table_values(own.port, &finer, if term.lag.is_some() { "lagged " } else { "" }, &gain);
-        numbers.extend(own.numbers[own.sizes()..].iter().cloned());
-        hypothesis.additions[k] = Addition { shape: table(finer, covariance, &gain), numbers, ..own };
         let Ok(fitted) = setup.fit(hypothesis, &point.runs) else { return Ok(None) };
         if fitted.chi_square >= point.fitted.chi_square || self.is_worse(&fitted) {
             return Ok(None);
@@ -172,4 +128,74 @@ impl<'a> Search<'a> {
         let judged = self.setup.judged(hypothesis, &runs).ok()?;
         (judged.readings > 0).then_some(judged.chi_square)
     }
+}
+
+/// Values of a driver of the `k`-th addition in the runs of a linearization, as the addition takes them; none where it does not act, and where
+/// no reading depends on it.
+pub(super) fn reached(point: &Linearization, k: usize, driver: Driver) -> Vec<Vec<f64>> {
+    let hypothesis = &point.fitted.hypothesis;
+    let sloped = |own: &Addition| own.numbers.iter().filter(|n| n.sloped).count();
+    let first = hypothesis.declared.len() + hypothesis.additions[..k].iter().map(sloped).sum::<usize>();
+    let own = &hypothesis.additions[k];
+    let numbers = first..first + sloped(own);
+    let is_read = |run: usize| {
+        let is_in = |k| point.parameter_column(k, &[run]).is_some_and(|column| column.amax() > 0.0);
+        numbers.clone().any(is_in)
+    };
+    let of_run = |(run, tangent): (&usize, &Tangent)| {
+        let place = hypothesis.place(k, *run).filter(|_| is_read(*run))?;
+        Some(beyond::values(&own.term()?, place, driver, &tangent.drivers))
+    };
+    let tangents = point.runs.iter().zip(&point.slopes.tangents);
+    tangents.map(|own| of_run(own).unwrap_or_default()).collect()
+}
+
+/// The model with the `k`-th addition, a table, estimated with more points in all that the runs of the linearization reach, and the covariance that
+/// explains them best; `None` if it is no table, or if that explains no more.
+pub(super) fn tabulated(point: &Linearization, k: usize) -> Result<Option<Hypothesis>, CalibrateError> {
+    let setup = point.setup;
+    let mut without = point.fitted.hypothesis.clone();
+    let own = without.additions.remove(k);
+    let (Some(axes), Some(port)) = (own.axes(), Port::ALL.iter().find(|port| **port == own.port)) else {
+        return Ok(None);
+    };
+    let base = Linearization::beside(setup, setup.judged(without, &point.runs)?, &point.runs, port)?;
+    let values: Vec<Vec<Vec<f64>>> = axes.iter().map(|axis| reached(point, k, axis.driver)).collect();
+    let finer = axes.iter().zip(&values).map(|(axis, values)| {
+        let values = values.iter().flatten().map(|x| axis.at(*x)).collect();
+        let count = if axes.len() == 1 { POINTS } else { axis.knots.len() };
+        Some(Axis { knots: spread(values, count, None)?, ..axis.clone() })
+    });
+    let Some(finer) = finer.collect::<Option<Vec<Axis>>>() else { return Ok(None) };
+    let columns = |axes: &[Axis]| {
+        base.port_columns(*port, count_of(axes), |n, r, row, _| {
+            let place = |driver| axes.iter().position(|axis| axis.driver == driver).unwrap_or(0);
+            let at = |driver| values[place(driver)][r][row];
+            let is_on = own.active[base.runs[r]] && values.iter().all(|values| !values[r].is_empty());
+            if is_on { weight(axes, n, at) } else { 0.0 }
+        })
+    };
+    let present = columns(axes).and_then(|columns| base.evidence.shape(&columns, &kernel(axes)));
+    let (Some(present), Some(columns)) = (present, columns(&finer)) else { return Ok(None) };
+    let found = covariances(&finer).filter_map(|own| Some((base.evidence.shape(&columns, &own)?, own)));
+    let best = found.max_by(|a, b| a.0.whitened.total_cmp(&b.0.whitened));
+    let is_more = |(gain, _): &(Gain, _)| gain.whitened > present.whitened + NEAR;
+    let Some((gain, covariance)) = best.filter(is_more) else { return Ok(None) };
+    let late = if own.lag().is_some() { "lagged " } else { "" };
+    let mut numbers = table_values(own.port, &finer, late, &gain);
+    numbers.extend(own.numbers[own.sizes()..].iter().cloned());
+    let mut hypothesis = point.fitted.hypothesis.clone();
+    hypothesis.additions[k] = Addition { shape: table(finer, covariance, &gain), numbers, ..own };
+    Ok(Some(hypothesis))
+}
+
+/// The covariances that are tried for a table: (1) of one driver, that of the search of two.
+fn covariances(axes: &[Axis]) -> impl Iterator<Item = DMatrix<f64>> {
+    let of_one = |axis: &Axis| {
+        let (knots, range) = (axis.knots.clone(), axis.knots[axis.knots.len() - 1] - axis.knots[0]);
+        let tried = COVARIANCES.iter().flat_map(|of| LENGTHS.map(|length| (*of, length)));
+        tried.map(|(of, length)| covariance(&knots, of, length * range)).collect()
+    };
+    let all: Vec<DMatrix<f64>> = if let [axis] = axes { of_one(axis) } else { vec![kernel(axes)] };
+    all.into_iter()
 }
