@@ -192,6 +192,9 @@ fn attempt<'a>(
             search_of.notes.push(format!("whether one law stands behind two effects could not be seen: {e}"));
         }
     }
+    if let Err(e) = search_of.refine() {
+        search_of.notes.push(format!("the accepted function could not be refined: {e}"));
+    }
     if let Some(unusable) = deadline.in_time(search_of.error_of_an_input())?.flatten() {
         return Err(Refusal::Unusable(unusable));
     }
@@ -200,9 +203,6 @@ fn attempt<'a>(
     {
         released.setup.noise = measured;
         return attempt(released.setup, Ok(released.fitted), options, progress);
-    }
-    if let Err(e) = search_of.refine() {
-        search_of.notes.push(format!("the accepted function could not be refined: {e}"));
     }
     let joint = match deadline.in_time(search_of.joint()) {
         Ok(joint) => joint.flatten(),

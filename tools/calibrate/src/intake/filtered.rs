@@ -165,10 +165,17 @@ pub(super) fn input(
         }
     }
     let (own, mistake) = best?;
+    let mut data = experiment.clone();
+    mistake.apply(&mut data, &runs);
+    // Without its filter an input has more noise; nothing else may be left that the rows away from changes do not have.
+    let of_noise =
+        |(own, left): &AsIs, place: &Place| Some(left / (place.least + own.noise_of_prediction()?.powi(2)));
+    let left = read(&data)?.into_iter().zip(places).map(|(one, place)| of_noise(&one, place));
+    let left = median(left.collect::<Option<Vec<f64>>>()?.into_iter());
     let of_outputs: f64 = all.iter().filter_map(|one| filtered(&[one]).map(|(gain, ..)| gain)).sum();
     let possible: f64 =
         all.iter().zip(places).map(|((own, as_is), place)| gain(own, *as_is, place.least)).sum();
-    if own < of_outputs + LEAST || own < SMALL * possible {
+    if own < of_outputs + LEAST || own < SMALL * possible || left > FACTOR {
         return None;
     }
     let (channel, reason, suggestion) = mistake.words(experiment, "every run");
