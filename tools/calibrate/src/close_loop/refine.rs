@@ -25,7 +25,7 @@ use crate::search::{kernel, spread, table, table_values};
 use crate::selection::NEAR;
 use crate::tangent::Tangent;
 use nalgebra::DMatrix;
-use physics::terms::{Driver, Port};
+use physics::terms::{Driver, Factor, Port};
 
 /// Points of a refined function. Numerical: a sine of two periods deviates by a tenth of its amplitude between two of them.
 const POINTS: usize = 13;
@@ -63,7 +63,10 @@ impl<'a> Search<'a> {
                 break;
             }
             let better = match self.refined(k)? {
-                None => self.narrowed(k)?,
+                None => match self.proportional(k)? {
+                    None => self.narrowed(k)?,
+                    linear => linear,
+                },
                 refined => refined,
             };
             if let Some(point) = better {
@@ -72,6 +75,22 @@ impl<'a> Search<'a> {
             }
         }
         Ok(())
+    }
+
+    /// The model with its `k`-th addition, a power of a lag, proportional to the lag, if the exponent explains no more than a number by chance: a
+    /// linear system of first order, which has no range.
+    fn proportional(&self, k: usize) -> Result<Option<Linearization<'a>>, CalibrateError> {
+        let (setup, point) = (self.setup, self.point());
+        let mut hypothesis = point.fitted.hypothesis.clone();
+        let own = &mut hypothesis.additions[k];
+        let (Some(_), Shape::Power { factor }) = (own.lag(), &own.shape) else { return Ok(None) };
+        let factor = Factor { exponent: 1.0, range: Factor::UNLIMITED, ..*factor };
+        own.shape = Shape::Linear { factor };
+        own.numbers.drain(own.sizes()..own.numbers.len() - 1);
+        let Ok(fitted) = setup.fit(hypothesis, &point.runs) else { return Ok(None) };
+        let linear = Linearization::judged(setup, fitted, &point.runs)?;
+        let (white, raw) = point.explains(&linear);
+        Ok((white.min(raw) < point.per_number()).then_some(linear))
     }
 
     /// The model with the range of its `k`-th addition, a power of a lag, as far as the fit runs reach; `None` if it is that already. The search

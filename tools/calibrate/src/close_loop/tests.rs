@@ -3,7 +3,7 @@ use crate::deadline::Deadline;
 use crate::hypothesis::Addition;
 use crate::selection::compete;
 use crate::testing;
-use physics::terms::{Driver, Drivers, GenericTerm, Law, Table};
+use physics::terms::{Driver, Drivers, Factor, GenericTerm, Lag, Law, Product, Table};
 
 /// Readings of a motor with a drag that saturates with the speed.
 fn experiment() -> Experiment {
@@ -68,4 +68,59 @@ fn unchecked_data_are_fitted_only() {
     assert!(fitted.effects.is_empty() && !fitted.is_cut && fitted.verdict == Verdict::Fitted);
     let values = |outcome: &Outcome| outcome.parameters.iter().map(|p| p.value).collect::<Vec<f64>>();
     assert_eq!(values(&unchecked), values(&fitted));
+}
+
+/// A law of the speed beyond that of the fit run: with a test run it is finally estimated from the faster validation run too, and so predicts
+/// the test run; without one the validation run alone judges it, and it ends where the fit run does.
+#[test]
+fn a_law_is_finally_estimated_from_all_runs_but_those_that_test_it() {
+    let x: Vec<f64> = (0..=20).map(|k| 30.0 * f64::from(k)).collect();
+    let drag: Vec<f64> = x.iter().map(|x| 5e-3 * (1.0 - (-(x / 250.0).powi(2)).exp())).collect();
+    let term = GenericTerm::new(Port::DragTorque, Law::Table(Table::new(Driver::Speed, &x, &drag).unwrap()));
+    let of = |last: Role| {
+        let mut experiment =
+            testing::driven_by(("current_A", 1.0, 190.0), &testing::OUTPUTS, testing::PRIORS, true);
+        for (file, role, factor) in [("faster.csv", Role::Validate, 1.0), ("last.csv", last, 0.95)] {
+            let mut run = experiment.runs[0].clone();
+            (run.file, run.role) = (file.to_string(), role);
+            run.table.columns[1].iter_mut().for_each(|speed| *speed *= factor);
+            experiment.runs.push(run);
+        }
+        experiment.runs[0].table.columns[1].iter_mut().for_each(|speed| *speed *= 0.4);
+        let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
+        testing::read(&mut experiment, &preset, Some(term));
+        let found = run(&experiment, &[], Options::default(), &|_, _| ()).unwrap();
+        let law = found.effects.iter().find(|e| e.port == Port::DragTorque).unwrap().term.unwrap();
+        let (_, range) = law.law.ranges().next().unwrap();
+        let torque = |e: &&crate::outcome::ChannelError| e.role == last && e.column == "shaft_torque_Nm";
+        let error = found.errors.iter().find(torque).unwrap().after;
+        let is_said = found.notes.iter().any(|note| note.contains("fit and validation runs together"));
+        (range.1, error, is_said)
+    };
+    let [(far, small, is_joint), (near, large, is_of_all)] = [Role::Test, Role::Validate].map(of);
+    assert!(is_joint && !is_of_all && near < 201.0 && far > 495.0, "{near} {far}");
+    assert!(small < 0.1 * large, "{small} {large}");
+}
+
+/// A drag in proportion to a lag of the speed is a linear system, which has no range; one that grows with its square has that of the data.
+#[test]
+fn a_term_in_proportion_to_a_lag_has_no_range() {
+    for exponent in [1.0, 2.0] {
+        let factor = Factor {
+            driver: Driver::Speed,
+            offset: 0.0,
+            reference: 300.0,
+            exponent,
+            range: Factor::UNLIMITED,
+        };
+        let law = Law::Product(Product { coefficient: -4e-3, factors: [Some(factor), None, None] });
+        let lag = Lag { driver: Driver::Speed, tau: 250.0, difference: false };
+        let experiment = testing::with_term(GenericTerm { port: Port::DragTorque, law, lag: Some(lag) });
+        let found = run(&experiment, &[], Options::default(), &|_, _| ()).unwrap();
+        let term = found.effects.iter().find_map(|e| e.term).unwrap();
+        let Law::Product(Product { factors: [Some(own), ..], .. }) = term.law else { panic!("{term:?}") };
+        assert!((own.exponent / exponent - 1.0).abs() < 0.02, "{own:?}");
+        assert_eq!((own.exponent == 1.0, own.range == Factor::UNLIMITED), (exponent == 1.0, exponent == 1.0));
+        assert!((term.lag.unwrap().tau / 250.0 - 1.0).abs() < 0.02, "{term:?}");
+    }
 }

@@ -144,3 +144,42 @@ fn one_store_by_hand() {
     // A ramp from 0 to 1: (h - (1 - e)/a) / (a h).
     assert!((second[(0, 0)] - (h - (1.0 - e) / a) / (a * h)).abs() < 1e-12);
 }
+
+/// A bridge that coasts at a duty of 0 brakes at any other duty: no noise of a duty that is commanded exactly crosses this step, whatever the
+/// duty of the other rows. Driven, the same noise acts as before.
+#[test]
+fn noise_of_an_input_does_not_cross_a_step_at_zero() {
+    let text = TOML.replace(
+        "\"current_A\", \"speed_rad_per_s\", \"fan_command_1\"",
+        "\"duty_1\", \"voltage_V\", \"load_torque_Nm\"",
+    );
+    let text = text.replace(
+        "outputs = [\"voltage_V\", \"shaft_torque_Nm\"",
+        "outputs = [\"speed_rad_per_s\", \"current_A\"",
+    );
+    let variances = |zero_duty: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let mut csv = String::from(
+            "time_s,duty_1,voltage_V,load_torque_Nm,ambient_temperature_degC,speed_rad_per_s,current_A,winding_temperature_degC,\
+             housing_temperature_degC\n",
+        );
+        for k in 0..200 {
+            let duty = if k % 100 < 50 { 0.4 } else { 0.0 };
+            csv.push_str(&format!("{},{duty},12,0.01,23,,,,\n", 0.5 * f64::from(k)));
+        }
+        std::fs::write(folder.path().join("run.csv"), csv).unwrap();
+        let set = format!("[set]\n\"drive.zero_duty\" = \"{zero_duty}\"\n\"motor.J\" = 0.01\n");
+        std::fs::write(folder.path().join("experiment.toml"), text.replace("[set]\n", &set)).unwrap();
+        let experiment = Experiment::read(&folder.path().join("experiment.toml")).unwrap();
+        let bench = Bench::new(&experiment, &[]).unwrap();
+        let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
+        let sigma = 1e-5;
+        let tangent = Tangent::new(&bench, &drive, &Override::default(), &[Probe::Input(0, sigma)]).unwrap();
+        let (direct, _) = tangent.variance(&[(tangent.directions[0].as_ref().unwrap(), sigma)]);
+        let current = |row: usize| direct[row * 4 + 1].sqrt();
+        (current(20), current(80))
+    };
+    let [(driven, coasting), (as_driven, braking)] = ["coast", "brake"].map(variances);
+    assert!((driven / as_driven - 1.0).abs() < 0.01 && driven > 0.0, "{driven} {as_driven}");
+    assert!(coasting <= 2.0 * braking && coasting < 1e-3, "{coasting} {braking}");
+}
