@@ -23,12 +23,14 @@
 //! the next communication step starts with the next step size of this one.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
 
+mod capacity;
 mod frozen;
 mod square;
 mod state;
 mod step;
 mod system;
 
+pub use capacity::HeatCapacities;
 pub use state::{State, StepIntegrals, middle_of};
 pub use system::{Fast, Segment, System, Work};
 

@@ -132,6 +132,8 @@ nodes!(declare_nodes);
 /// Number of thermal nodes.
 pub const NODES: usize = INITIAL.len();
 const _: () = assert!(NODES <= MOST_NODES);
+// As in `HeatCapacities`.
+const _: () = assert!(WINDING == 0 && HOUSING == 1);
 /// Temperatures of the nodes, K.
 pub type Temperatures = SVector<f64, NODES>;
 

@@ -2,7 +2,7 @@
 //! fewer instructions. The results are equal bit for bit.
 
 use super::frozen::{Frozen, Matrices};
-use super::{FAST_FLOOR, Fast, Segment, Split, State, StepIntegrals, System, largest};
+use super::{FAST_FLOOR, Fast, HeatCapacities, Segment, Split, State, StepIntegrals, System, largest};
 use crate::solver::phi::{Forcing, product};
 use nalgebra::SVector;
 
@@ -128,7 +128,7 @@ impl<const N: usize> Split<N> {
         let (x0, temp0) = (state.x, state.temperature);
         let Frozen { fast, squares, thermal, .. } = &self.frozen;
         let (a, m) = (fast.matrix(), thermal.matrix());
-        let (capacity, per_joule) = (system.capacity(), system.inverse_capacity());
+        let HeatCapacities { values: capacity, inverse: per_joule } = system.capacity();
 
         let [per_tolerance, per_stage, per_line] =
             self.per_tolerance[usize::from(system.bends_where_stiff())];
