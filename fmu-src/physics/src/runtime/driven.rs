@@ -8,7 +8,7 @@ use crate::components::sensor::{lagged, mean_lagged};
 use crate::effects::{EffectPort, Effects};
 use crate::line::Line;
 use crate::saved;
-use crate::terms::{Drivers, Lag, MOST_TERMS};
+use crate::terms::{Drivers, Lag, LagStarts, MOST_TERMS};
 use declare::{Group, index_of};
 
 /// Number of parts of a step in which a law of the terms changes by its span. The midpoint rule of a law that rises by its
@@ -58,8 +58,8 @@ pub trait Driven<const N: usize>: Equations<N> {
 
     /// The effects, which evaluate the terms.
     fn effects(parameters: &Self::Parameters) -> &Effects;
-    /// What the lag of each term exceeds its driver by at the start, divided by a typical value of the driver.
-    fn lags_above(parameters: &Self::Parameters) -> [f64; MOST_TERMS];
+    /// The starts of the lags.
+    fn lag_starts(parameters: &Self::Parameters) -> &LagStarts;
     /// The states of the terms.
     fn terms(&self) -> &TermStates;
     /// The states of the terms, to change them.
@@ -77,8 +77,8 @@ pub trait Driven<const N: usize>: Equations<N> {
     fn middle(run: &Runtime<Self, N>, from: &Self::Instant, h: f64) -> Self::Instant;
     /// The drivers at `time` with these inputs and states; heat flows and lags are zero.
     fn drivers_of(run: &Runtime<Self, N>, time: f64, inputs: &Self::Inputs, at: &Self::Instant) -> Drivers;
-    /// Replaces means over the last step, of `h` seconds, by those that its integrals give exactly.
-    fn improve_mean(run: &Runtime<Self, N>, mean: &mut Drivers, h: f64);
+    /// Integrals over the last step of current, speed, and temperatures of winding and housing, if the integrator has them all.
+    fn integrals(run: &Runtime<Self, N>) -> Option<[f64; 4]>;
     /// Present copper loss and friction loss, W.
     fn heat_flows(run: &Runtime<Self, N>) -> [f64; 2];
     /// Sets the drivers that effects hold constant.
@@ -271,7 +271,11 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         let taken = self.take_along(time, h, &[from, mean, to]);
         to = self.drivers_after(time + h, 0.0);
         mean = Drivers { lagged: self.own.terms().mean, ..from.middle(&to) };
-        M::improve_mean(self, &mut mean, h);
+        if let Some(integrals) = M::integrals(self) {
+            // A current may reach its new value in a small part of the step.
+            [mean.current, mean.speed, mean.winding_temperature, mean.housing_temperature] =
+                integrals.map(|integral| integral / h);
+        }
         M::return_to(self, before);
         taken?;
         Ok([from, mean, to])
@@ -318,7 +322,7 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         *self.own.terms_mut() = TermStates { capacity_factor, ..TermStates::default() };
         self.set_drivers(self.time);
         // Two passes: heat flows may depend on the drivers.
-        let above = M::lags_above(&self.parameters);
+        let above = M::lag_starts(&self.parameters).of_terms();
         for _ in 0..2 {
             let sources = self.lag_sources();
             self.own.terms_mut().lags = std::array::from_fn(|k| sources[k] + above[k] * self.lag_size(k));

@@ -12,7 +12,7 @@ use crate::components::sensor::lagged;
 use crate::effects::{Effects, PerNode};
 use crate::runtime::{Driven, Equations, Halt, TermStates};
 use crate::solver::split::{Fast, State, middle_of};
-use crate::terms::{Drivers, MOST_TERMS};
+use crate::terms::{Drivers, LagStarts};
 
 impl Driven<ALL> for Motor {
     /// With the temperature of the housing, K.
@@ -24,8 +24,8 @@ impl Driven<ALL> for Motor {
         &parameters.effects
     }
 
-    fn lags_above(parameters: &Parameters) -> [f64; MOST_TERMS] {
-        parameters.initial.term_lags()
+    fn lag_starts(parameters: &Parameters) -> &LagStarts {
+        &parameters.lag_starts
     }
 
     fn terms(&self) -> &TermStates {
@@ -93,14 +93,8 @@ impl Driven<ALL> for Motor {
         }
     }
 
-    fn improve_mean(run: &AnnulusCooledMotor, mean: &mut Drivers, h: f64) {
-        if run.own.network.is_none() {
-            let over_step = &run.own.state.integrals;
-            mean.winding_temperature = over_step.temperature[0] / h;
-            mean.housing_temperature = over_step.temperature[1] / h;
-            // A current may reach its new value in a small part of the step.
-            (mean.current, mean.speed) = (over_step.fast[0] / h, over_step.fast[1] / h);
-        }
+    fn integrals(run: &AnnulusCooledMotor) -> Option<[f64; 4]> {
+        run.own.network.is_none().then(|| run.own.state.integrals.of_drivers())
     }
 
     fn heat_flows(run: &AnnulusCooledMotor) -> [f64; 2] {

@@ -49,7 +49,7 @@ saved!(PerNode { winding, housing });
 saved!(Motor { sensors, t_start, terms, stored_at_start, state, split, phases });
 
 /// Discrete states in Model Exchange.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Discrete {
     /// The sector of block commutation since the last event.
     sector: f64,
@@ -62,12 +62,6 @@ pub struct Discrete {
 }
 
 saved!(Discrete { sector, over_temperature, idle, booked });
-
-impl Default for Discrete {
-    fn default() -> Self {
-        Discrete { sector: 0.0, over_temperature: false, idle: false, booked: 1.0 }
-    }
-}
 
 impl Discrete {
     /// The electrical angle at the middle of the sector, rad.

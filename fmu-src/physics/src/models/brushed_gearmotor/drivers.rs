@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::effects::Effects;
 use crate::runtime::{Driven, Halt, TermStates};
-use crate::terms::{Drivers, MOST_TERMS};
+use crate::terms::{Drivers, LagStarts};
 
 /// The gearmotor before a step that may be undone. The parameters, whose effects have other drivers since, are not a part of it: every step
 /// sets the drivers.
@@ -26,8 +26,8 @@ impl Driven<ALL> for Gearmotor {
         &parameters.effects
     }
 
-    fn lags_above(parameters: &Parameters) -> [f64; MOST_TERMS] {
-        parameters.initial.term_lags()
+    fn lag_starts(parameters: &Parameters) -> &LagStarts {
+        &parameters.lag_starts
     }
 
     fn terms(&self) -> &TermStates {
@@ -71,12 +71,8 @@ impl Driven<ALL> for Gearmotor {
         }
     }
 
-    fn improve_mean(run: &BrushedGearmotor, mean: &mut Drivers, h: f64) {
-        let over_step = &run.own.state.integrals;
-        mean.winding_temperature = over_step.temperature[WINDING] / h;
-        mean.housing_temperature = over_step.temperature[HOUSING] / h;
-        // A current may reach its new value in a small part of the step.
-        (mean.current, mean.speed) = (over_step.fast[0] / h, over_step.fast[1] / h);
+    fn integrals(run: &BrushedGearmotor) -> Option<[f64; 4]> {
+        Some(run.own.state.integrals.of_drivers())
     }
 
     fn heat_flows(run: &BrushedGearmotor) -> [f64; 2] {

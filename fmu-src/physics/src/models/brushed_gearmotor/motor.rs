@@ -44,7 +44,7 @@ pub struct Gearmotor {
 saved!(Gearmotor { t_start, stored_at_start, terms, state, split });
 
 /// Discrete states in Model Exchange.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Discrete {
     /// Sign of the duty at the last event.
     direction: f64,
@@ -55,12 +55,6 @@ pub struct Discrete {
 }
 
 saved!(Discrete { direction, over_temperature, booked });
-
-impl Default for Discrete {
-    fn default() -> Self {
-        Discrete { direction: 0.0, over_temperature: false, booked: 1.0 }
-    }
-}
 
 impl BrushedGearmotor {
     /// The state at the present time: current, A, speed, rad/s, angle, rad, temperatures, K, energies, J.
