@@ -426,10 +426,10 @@ impl Equations<ALL> for Motor {
         }
     }
 
-    fn ease(run: &mut AnnulusCooledMotor, factor: f64) {
-        run.own.split.ease(factor);
+    fn ease(run: &mut AnnulusCooledMotor, factors: [f64; 2]) {
+        run.own.split.ease(factors);
         if let Some(network) = &mut run.own.network {
-            network.ease(factor);
+            network.ease(factors[0]);
         }
     }
 

@@ -335,8 +335,8 @@ impl Equations<ALL> for Gearmotor {
         Some(())
     }
 
-    fn ease(run: &mut BrushedGearmotor, factor: f64) {
-        run.own.split.ease(factor);
+    fn ease(run: &mut BrushedGearmotor, factors: [f64; 2]) {
+        run.own.split.ease(factors);
     }
 
     fn scale_tolerances(run: &mut BrushedGearmotor, factor: f64) {

@@ -98,7 +98,7 @@ impl<const N: usize> Split<N> {
         backup: &mut Option<Matrices<N>>,
         iterate: impl Fn(&Self, &mut State<N, E>, (&S::Instant, &Fast), Guess<N>) -> Iteration<N>,
     ) -> f64 {
-        let scale = self.ease * self.scale;
+        let scale = self.ease[0] * self.scale;
         let start = system.instant(t, &state.x, &state.temperature);
         let slope0 = system.fast_rates_at(t, &state.x, &state.temperature, &start);
         self.frozen.renew(system, (t, h), (&state.x, &slope0, &state.temperature, &start), scale, backup);
