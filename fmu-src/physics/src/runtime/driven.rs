@@ -17,11 +17,13 @@ const PARTS: f64 = 32.0;
 /// Largest number of parts: a law far outside the data may change by many of its spans.
 const MOST_PARTS: f64 = 128.0;
 
-/// States of the terms of a model: lags, and the factor on the heat capacities.
+/// States of the terms of a model.
 #[derive(Clone, Copy, Debug)]
 pub struct TermStates {
     /// Factor on the heat capacities.
     pub capacity_factor: f64,
+    /// Whether effects depend on drivers that follow the states of the model and are constant over a step; it follows from the parameters.
+    pub holds_states: bool,
     /// State of each term's lag, in the unit of its driver.
     lags: [f64; MOST_TERMS],
     /// The same over the present step, as lines from this time on; none between the steps.
@@ -35,7 +37,7 @@ saved!(TermStates { capacity_factor, lags });
 impl Default for TermStates {
     fn default() -> Self {
         let none = [0.0; MOST_TERMS];
-        TermStates { capacity_factor: 1.0, lags: none, over_step: None, mean: none }
+        TermStates { capacity_factor: 1.0, holds_states: false, lags: none, over_step: None, mean: none }
     }
 }
 
@@ -64,8 +66,6 @@ pub trait Driven<const N: usize>: Equations<N> {
     fn terms(&self) -> &TermStates;
     /// The states of the terms, to change them.
     fn terms_mut(&mut self) -> &mut TermStates;
-    /// Whether a step holds a driver constant that follows states.
-    fn holds_states(&self) -> bool;
     /// Energy stored at the start, J: reference of the energy balance.
     fn stored_at_start(&mut self) -> &mut f64;
 
@@ -210,7 +210,7 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         self.take_along(time, h, along)?;
         // Current and speed have settled at the end of the lag's line. A lag that differs from it, if only by the error of the estimate,
         // would give them derivatives of this difference over L/R.
-        if self.own.holds_states() && self.has_fast_states() {
+        if self.own.terms().holds_states && self.has_fast_states() {
             self.own.terms_mut().lags = along[2].lagged;
         }
         Ok(())
@@ -252,7 +252,7 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         let from = self.drivers_after(time, 0.0);
         let mut to = self.drivers_after(time, h);
         let mut mean = from.middle(&to);
-        let (lags, holds_states) = (self.lags_of_terms(), self.own.holds_states());
+        let (lags, holds_states) = (self.lags_of_terms(), self.own.terms().holds_states);
         // First estimate of the lags of states: their drivers stay as they are.
         let present = if holds_states { self.lag_sources() } else { [0.0; MOST_TERMS] };
         for (k, lag) in lags.iter().enumerate() {
@@ -318,8 +318,7 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         if !M::effects(&self.parameters).has_lags() {
             return;
         }
-        let capacity_factor = self.own.terms().capacity_factor;
-        *self.own.terms_mut() = TermStates { capacity_factor, ..TermStates::default() };
+        self.own.terms_mut().lags = [0.0; MOST_TERMS];
         self.set_drivers(self.time);
         // Two passes: heat flows may depend on the drivers.
         let above = M::lag_starts(&self.parameters).of_terms();

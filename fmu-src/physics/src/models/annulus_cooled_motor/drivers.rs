@@ -36,10 +36,6 @@ impl Driven<ALL> for Motor {
         &mut self.terms
     }
 
-    fn holds_states(&self) -> bool {
-        self.constants.holds_states
-    }
-
     fn stored_at_start(&mut self) -> &mut f64 {
         &mut self.stored_at_start
     }
@@ -112,6 +108,10 @@ impl Driven<ALL> for Motor {
     }
 
     fn follow_parameters(run: &mut AnnulusCooledMotor) {
+        let Parameters { choices, effects, .. } = &run.parameters;
+        let is_speed_free = choices.mechanical_mode == MechanicalMode::FreeShaft;
+        run.own.terms.holds_states =
+            effects.holds_states(choices.drive_mode != DriveMode::Current, is_speed_free);
         run.own.constants = Constants::of(&run.parameters).with_capacity(run.own.terms.capacity_factor);
         run.own.fan = (f64::NAN, PerNode::default());
         run.own.fault = Body::fault(&run.parameters);

@@ -38,10 +38,6 @@ impl Driven<ALL> for Gearmotor {
         &mut self.terms
     }
 
-    fn holds_states(&self) -> bool {
-        self.constants.holds_states
-    }
-
     fn stored_at_start(&mut self) -> &mut f64 {
         &mut self.stored_at_start[0]
     }
@@ -85,6 +81,7 @@ impl Driven<ALL> for Gearmotor {
 
     fn follow_parameters(run: &mut BrushedGearmotor) {
         run.own.constants = Constants::of(&run.parameters).with_capacity(run.own.terms.capacity_factor);
+        run.own.terms.holds_states = run.parameters.effects.holds_states(true, true);
     }
 
     fn heat(run: &BrushedGearmotor, capacity_factor: f64) -> f64 {

@@ -65,8 +65,6 @@ pub struct Constants {
     acts: Acts,
     /// Whether any effect gets the present drivers within a step.
     driven: bool,
-    /// Whether an effect depends on drivers that follow the states and are constant over a step.
-    pub(super) holds_states: bool,
     /// Limits of validity.
     limits: Limits,
 }
@@ -86,7 +84,6 @@ impl Constants {
             to_box,
             acts,
             driven: EffectPort::ALL.iter().any(|port| port.is_driven() && acts.at(*port)),
-            holds_states: effects.holds_states(true, true),
             limits: parameters.limits(),
         }
     }

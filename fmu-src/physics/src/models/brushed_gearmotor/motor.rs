@@ -161,6 +161,7 @@ impl Equations<ALL> for Gearmotor {
         let indicated = run.inputs.ambient_temperature + drift;
         let initial = |run: &BrushedGearmotor, ambient| run.parameters.initial.state(ambient);
         run.own = Gearmotor { state: initial(run, indicated), ..Gearmotor::new(&run.parameters) };
+        Self::follow_parameters(run);
         // Terms may change the ambient temperature, and depend on the initial temperatures.
         run.set_drivers(run.time);
         let t_start = indicated + run.parameters.effects.ambient_offset();

@@ -42,8 +42,6 @@ pub struct Constants {
     pub(super) lost: f64,
     /// Fraction of electrical_power that heats the stator.
     pub(super) in_stator: f64,
-    /// Whether an effect depends on drivers that follow the states and are constant over a step.
-    pub(in super::super) holds_states: bool,
     /// Whether effects have time events.
     pub(in super::super) eventful: bool,
     /// Ratio of the torque constant to its data sheet value, by the commutation.
@@ -90,9 +88,6 @@ impl Constants {
             drift: parameters.effects.ambient_sensor(),
             lost,
             in_stator: (1.0 - lost) * parameters.effects.stator_loss(),
-            holds_states: parameters
-                .effects
-                .holds_states(parameters.choices.drive_mode != DriveMode::Current, free),
             eventful: parameters.effects.next_event(f64::NEG_INFINITY).is_finite(),
             torque_factor: parameters.choices.commutation.torque_factor(),
             chops,
