@@ -1,4 +1,4 @@
-//! Drivers of the terms, temperature sensor of the housing, and initial state.
+//! Drivers of the terms, changed parameters, temperature sensor of the housing, and initial state.
 
 use super::equations::{Constants, NODES};
 use super::motor::{AnnulusCooledMotor, Motor};

@@ -1,5 +1,5 @@
 //! The motor as [`Equations`] of the runtime: its state, outputs and events. `states.rs` has the continuous states, `reading.rs` their
-//! derivatives, `stepping.rs` the steps, `drivers.rs` the drivers of terms, the sensor and the initial state.
+//! derivatives, `stepping.rs` the steps, `drivers.rs` the drivers of terms, changed parameters, the sensor and the initial state.
 
 use super::equations::{Constants, NODES, Step, Temperatures};
 use super::network::{Body, Network};
