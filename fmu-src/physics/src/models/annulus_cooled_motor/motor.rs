@@ -385,14 +385,7 @@ impl Equations<ALL> for Motor {
 
     /// The energy balance excludes the change of stored heat when a term changes the heat capacities.
     fn accept_step(run: &mut AnnulusCooledMotor) {
-        run.set_drivers(run.time);
-        let own = &mut run.own;
-        if let Some(pre) = &mut run.pre {
-            let heat = own.constants.capacity.heat(&own.state.temperature, own.t_start);
-            own.stored_at_start += heat - heat * pre.discrete.booked / own.terms.capacity_factor;
-            pre.discrete.booked = own.terms.capacity_factor;
-            run.outdate();
-        }
+        run.book_capacity(|discrete| &mut discrete.booked);
     }
 
     fn excess(run: &AnnulusCooledMotor) -> f64 {
