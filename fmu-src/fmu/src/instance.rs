@@ -101,7 +101,8 @@ impl Instance {
             let terms = (!resources.terms.is_empty()).then(|| format!("the terms of {}", terms::FILE_NAME));
             let name = (kind.declaration)().name;
             let data: Vec<String> = terms.into_iter().chain(load).collect();
-            let why = resources.terms.iter().find_map(|term| (kind.new)().refusal(term));
+            let fresh = (kind.new)();
+            let why = resources.terms.iter().find_map(|term| fresh.refusal(term));
             let why = why.map_or(String::new(), |why| format!(": {why}"));
             return Err(Refused::error(format!("{name} does not accept {}{why}.", data.join(" and "))));
         };

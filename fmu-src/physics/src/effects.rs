@@ -295,6 +295,23 @@ impl Effects {
         (0..MOST_TERMS).any(|k| self.lag(k).is_some())
     }
 
+    /// Whether any effect holds a driver constant over a step that follows the states; current and speed follow them unless they are
+    /// imposed.
+    pub fn holds_states(&self, is_current_free: bool, is_speed_free: bool) -> bool {
+        let follows_states = |driver: &Driver| match driver {
+            Driver::Current => is_current_free,
+            Driver::Speed => is_speed_free,
+            // At an imposed speed it follows from the current.
+            Driver::LoadTorque => !is_speed_free,
+            Driver::WindingTemperature
+            | Driver::HousingTemperature
+            | Driver::CopperLoss
+            | Driver::FrictionLoss => true,
+            Driver::AmbientTemperature | Driver::FanCommand | Driver::Time => false,
+        };
+        Driver::ALL.iter().any(|driver| follows_states(driver) && self.holds(*driver))
+    }
+
     /// Factor on the heat capacities; 1 exactly where nothing acts on them.
     #[inline]
     pub fn capacity_factor(&self) -> f64 {

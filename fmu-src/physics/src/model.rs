@@ -402,9 +402,9 @@ pub trait Model: Exchange + Send + Sync {
     /// Derivatives of [`states`](Model::states) at the present states and inputs, per second; independent of input
     /// derivatives.
     fn rates(&mut self, out: &mut Vec<f64>);
-    /// Multiplies the error tolerance of the steps by this factor, until the next start: for searches that repeat
-    /// a run many times and use the result only.
-    fn ease(&mut self, factor: f64);
+    /// Multiplies the error tolerances of the steps by these factors, that of heat, and that of current and speed, until the next start:
+    /// for searches that repeat a run many times and use the result only.
+    fn ease(&mut self, factors: [f64; 2]);
     /// Multiplies the tolerances of the integrator by a factor on their defaults, until the next start.
     fn scale_tolerances(&mut self, factor: f64);
     /// Number of steps rejected by the error control; only differences over a step are meaningful.

@@ -18,9 +18,11 @@
 //! [`LEAST_BASE`]. *Neglects* history other than eq. (4).
 
 mod driver;
+mod lag_starts;
 
 use crate::number::Number;
 pub use driver::{Driver, Drivers, Port};
+pub use lag_starts::LagStarts;
 
 /// Largest number of terms of a model.
 pub const MOST_TERMS: usize = 3;

@@ -296,7 +296,7 @@ impl Bench {
     ) -> Result<Option<Shown>, CalibrateError> {
         let mut model = self.begin_at(drive, change, unknowns)?.model;
         // The start of a run is the same for every accuracy of its simulation.
-        model.ease(1.0);
+        model.ease([1.0; 2]);
         let rows = columns.iter().map(|column| column.readings.len()).max().unwrap_or(0);
         let mut shown = vec![Vec::with_capacity(rows); columns.len()];
         let ending = self.along_rows(drive, rows, model.as_mut(), |model, _| {

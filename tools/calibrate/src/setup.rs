@@ -17,9 +17,10 @@ use physics::model::{Entry, Slot};
 use physics::terms::Drivers;
 use std::sync::{Arc, OnceLock};
 
-/// Relaxation of the integration tolerance for the many simulations of a search. Numerical: over 1.5 h of noisy rows three to nine times faster,
-/// with errors of at most 0.2 mK, 0.06 mA and 1.5 mrad/s at 400 rad/s; with ten times as much intervals of parameters at a limit move by a quarter.
-pub const EASE: f64 = 100.0;
+/// Relaxation of the integration tolerances of heat, and of current and speed, for the many simulations of a search: an error of current or speed
+/// passes, one of heat adds up. Numerical: over 1.5 h of noisy rows three to nine times faster, with errors of at most 0.2 mK, 0.06 mA and
+/// 1.5 mrad/s at 400 rad/s; with ten times as much intervals of parameters at a limit move by a quarter.
+pub const EASE: [f64; 2] = [100.0, 1000.0];
 /// Relative standard deviation of a prior above which it limits the parameter. Derivation: zero is then inside of 3.3 standard
 /// deviations, two-sided level 1e-3, so the parameter is known by its logarithm only.
 pub const WIDE: f64 = 0.3;
@@ -245,7 +246,7 @@ impl<'a> Setup<'a> {
     /// Copy at the model's default accuracy, with the inputs as measured.
     pub fn exact(&self) -> Setup<'a> {
         let mut bench = Bench::clone(&self.bench);
-        bench.ease = 1.0;
+        bench.ease = [1.0; 2];
         bench.lenient = false;
         bench.deadline = Deadline::default();
         Setup { bench: Arc::new(bench), driven: Arc::clone(&self.drives), ..self.clone() }

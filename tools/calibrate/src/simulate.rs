@@ -17,8 +17,8 @@ use std::sync::Arc;
 /// Model with the start values of an experiment, which can be run with other parameters.
 #[derive(Clone)]
 pub struct Bench {
-    /// Factor on the default integration tolerance: 1 for full accuracy.
-    pub ease: f64,
+    /// Factors on the default integration tolerances of heat, and of current and speed: 1 for full accuracy.
+    pub ease: [f64; 2],
     /// Whether a run continues past the limits of validity: a fit with poor start values needs residuals there as well.
     pub lenient: bool,
     /// Deadline of the simulations.
@@ -91,7 +91,7 @@ impl Bench {
             channels.iter().filter_map(|c| role(c)).map(slot).collect::<Result<Vec<_>, _>>()
         };
         Ok(Bench {
-            ease: 1.0,
+            ease: [1.0; 2],
             lenient: false,
             deadline: Deadline::default(),
             kind,

@@ -7,7 +7,6 @@
 //! turbulent: Nu = (f/8) Re Pr [1 + (D_h/L)^(2/3)] F / [k_1 + 12.7 (f/8)^(1/2) (Pr^(2/3) - 1)]   (5)
 //!     k_1 = 1.07 + 900/Re - 0.63/(1 + 10 Pr),  F = 0.75 a^(-0.17)
 //! transition: Nu = (1 - g) Nu_laminar(2300) + g Nu_turbulent(4000),  g = (Re - 2300)/1700  (6)
-//! local: Nu_x = d(x Nu)/dx                                                                 (7)
 //!
 //! a = D_i/D_o, D_h = D_o - D_i, Nu = h D_h/k, Gz = Re Pr D_h/L, f Darcy's factor (`annulus_friction.rs`), h based on the difference
 //! of wall and bulk temperature. F(y) in (1) is the fraction of the flow outside the radius y r_o; (1) follows from integrating the energy
@@ -18,7 +17,7 @@
 //! *Neglects* natural convection in the gap, swirl and turbulence from the fan (raise Nu), and the gas property
 //! correction (T/T_w)^0.45 in (5) (some 5 % at a wall 40 K above the air).
 //! *Range*: a 0.02 to 0.999, limited to this range ((2) within 4 % of exact values from 0.05 on); (3), (4) Pr 0.1 to 1000, Re <= 2300;
-//! (5) Re 4000 to 1e6, Pr 0.6 to 1000; (7) exact. x/D_h below 1e-3 is set to 1e-3, Re above 1e7 to 1e7, Pr is limited to 0.1 ... 1e3. Zero
+//! (5) Re 4000 to 1e6, Pr 0.6 to 1000. L/D_h below 1e-3 is set to 1e-3, Re above 1e7 to 1e7, Pr is limited to 0.1 ... 1e3. Zero
 //! flow gives Nu_1. In a duct shorter than about 10 D_h, (6) can decrease with Re: the laminar entrance then gives more at 2300 than (5) at
 //! 4000 (one part in 10^4 at L/D_h = 10, uniform flux).
 //! *Source*: (1) derived here; (2) to (4) Martin and Gnielinski, VDI Heat Atlas, 2nd ed. (2010), ch. G2; (5)
@@ -164,17 +163,6 @@ impl HeatedAnnulus {
             (self.developed + n2 + n3).cbrt()
         };
         self.regimes(re, pr, laminar, || l.cbrt().powi(-2))
-    }
-
-    /// Local Nu at `x_over_d_h` hydraulic diameters from the entrance, eq. (7).
-    pub fn local(&self, re: f64, pr: f64, x_over_d_h: f64) -> f64 {
-        let (re, pr, x) = limited(re, pr, x_over_d_h);
-        let laminar = |re| {
-            let (n2, n3) = self.entrance(re, pr, x);
-            let mean = (self.developed + n2 + n3).cbrt();
-            (self.developed + n2 * (2.0 / 3.0) + n3 * 0.5) / (mean * mean)
-        };
-        self.regimes(re, pr, laminar, || x.cbrt().powi(-2) / 3.0)
     }
 
     /// x Nu with the mean Nu over the first `x_over_d_h` = x hydraulic diameters: its difference between two positions is what the length

@@ -7,6 +7,19 @@ const FLUX: &str = include_str!("../../tests/data/annulus-laminar/annulus_lamina
 const TEMPERATURE: &str =
     include_str!("../../tests/data/annulus-laminar/annulus_laminar_nu_one_wall_T_other_insulated.csv");
 
+impl HeatedAnnulus {
+    /// Local Nu at `x_over_d_h` hydraulic diameters from the entrance: Nu_x = d(x Nu)/dx.
+    fn local(&self, re: f64, pr: f64, x_over_d_h: f64) -> f64 {
+        let (re, pr, x) = limited(re, pr, x_over_d_h);
+        let laminar = |re| {
+            let (n2, n3) = self.entrance(re, pr, x);
+            let mean = (self.developed + n2 + n3).cbrt();
+            (self.developed + n2 * (2.0 / 3.0) + n3 * 0.5) / (mean * mean)
+        };
+        self.regimes(re, pr, laminar, || x.cbrt().powi(-2) / 3.0)
+    }
+}
+
 /// Comparison with the numerical solution in `tests/data/annulus-laminar`.
 #[test]
 fn uniform_flux_is_the_numerical_solution() {

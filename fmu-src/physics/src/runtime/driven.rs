@@ -1,4 +1,4 @@
-//! Terms from data in a model: their drivers over a step, and the states of their lags.
+//! Terms from data in a model: their drivers over a step, the states of their lags, and the heat capacities that they change.
 //!
 //! At the ports of current and speed the equations evaluate the drivers at every stage of a step. Elsewhere the drivers are constant
 //! over a step, at their mean; where they follow states, a trial step gives it. A step in which a term changes much is divided.
@@ -8,8 +8,8 @@ use crate::components::sensor::{lagged, mean_lagged};
 use crate::effects::{EffectPort, Effects};
 use crate::line::Line;
 use crate::saved;
-use crate::terms::{Drivers, Lag, MOST_TERMS};
-use declare::Group;
+use crate::terms::{Drivers, Lag, LagStarts, MOST_TERMS};
+use declare::{Group, index_of};
 
 /// Number of parts of a step in which a law of the terms changes by its span. The midpoint rule of a law that rises by its
 /// span and falls again is exact to 2 / (8 x 32^2) of the span over the step, 2e-4.
@@ -17,25 +17,36 @@ const PARTS: f64 = 32.0;
 /// Largest number of parts: a law far outside the data may change by many of its spans.
 const MOST_PARTS: f64 = 128.0;
 
-/// The lags of a model's terms.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Lags {
+/// States of the terms of a model.
+#[derive(Clone, Copy, Debug)]
+pub struct TermStates {
+    /// Factor on the heat capacities.
+    pub capacity_factor: f64,
+    /// Whether effects depend on drivers that follow the states of the model and are constant over a step; it follows from the parameters.
+    pub holds_states: bool,
     /// State of each term's lag, in the unit of its driver.
-    now: [f64; MOST_TERMS],
+    lags: [f64; MOST_TERMS],
     /// The same over the present step, as lines from this time on; none between the steps.
     over_step: Option<([Line; MOST_TERMS], f64)>,
     /// Mean of each over the last step; the next step does not depend on it.
     mean: [f64; MOST_TERMS],
 }
 
-saved!(Lags { now });
+saved!(TermStates { capacity_factor, lags });
 
-impl Lags {
+impl Default for TermStates {
+    fn default() -> Self {
+        let none = [0.0; MOST_TERMS];
+        TermStates { capacity_factor: 1.0, holds_states: false, lags: none, over_step: None, mean: none }
+    }
+}
+
+impl TermStates {
     /// The lags from `time` on: lines within a step, constant between the steps.
-    pub fn after(&self, time: f64) -> [Line; MOST_TERMS] {
+    pub fn lags_after(&self, time: f64) -> [Line; MOST_TERMS] {
         match &self.over_step {
             Some((lines, since)) => lines.map(|line| Line { start: line.at(time - since), ..line }),
-            None => self.now.map(|start| Line { start, slope: 0.0 }),
+            None => self.lags.map(|start| Line { start, slope: 0.0 }),
         }
     }
 }
@@ -49,16 +60,14 @@ pub trait Driven<const N: usize>: Equations<N> {
 
     /// The effects, which evaluate the terms.
     fn effects(parameters: &Self::Parameters) -> &Effects;
-    /// What the lag of each term exceeds its driver by at the start, divided by a typical value of the driver.
-    fn lags_above(parameters: &Self::Parameters) -> [f64; MOST_TERMS];
-    /// The lags.
-    fn lags(&self) -> &Lags;
-    /// The lags, to change them.
-    fn lags_mut(&mut self) -> &mut Lags;
-    /// Whether a step holds a driver constant that follows states.
-    fn holds_states(&self) -> bool;
-    /// Whether current or speed is a state.
-    fn has_fast_states(&self) -> bool;
+    /// The starts of the lags.
+    fn lag_starts(parameters: &Self::Parameters) -> &LagStarts;
+    /// The states of the terms.
+    fn terms(&self) -> &TermStates;
+    /// The states of the terms, to change them.
+    fn terms_mut(&mut self) -> &mut TermStates;
+    /// Energy stored at the start, J: reference of the energy balance.
+    fn stored_at_start(&mut self) -> &mut f64;
 
     /// The present states.
     fn instant(run: &Runtime<Self, N>) -> Self::Instant;
@@ -68,14 +77,16 @@ pub trait Driven<const N: usize>: Equations<N> {
     fn middle(run: &Runtime<Self, N>, from: &Self::Instant, h: f64) -> Self::Instant;
     /// The drivers at `time` with these inputs and states; heat flows and lags are zero.
     fn drivers_of(run: &Runtime<Self, N>, time: f64, inputs: &Self::Inputs, at: &Self::Instant) -> Drivers;
-    /// Replaces means over the last step, of `h` seconds, by those that its integrals give exactly.
-    fn improve_mean(run: &Runtime<Self, N>, mean: &mut Drivers, h: f64);
+    /// Integrals over the last step of current, speed, and temperatures of winding and housing, if the integrator has them all.
+    fn integrals(run: &Runtime<Self, N>) -> Option<[f64; 4]>;
     /// Present copper loss and friction loss, W.
     fn heat_flows(run: &Runtime<Self, N>) -> [f64; 2];
     /// Sets the drivers that effects hold constant.
     fn hold(run: &mut Runtime<Self, N>, drivers: &Drivers);
-    /// Updates the heat capacities to the drivers.
-    fn follow_capacity(run: &mut Runtime<Self, N>);
+    /// Applies changed parameters.
+    fn follow_parameters(run: &mut Runtime<Self, N>);
+    /// Heat stored in the nodes, J, with this factor on the heat capacities.
+    fn heat(run: &Runtime<Self, N>, capacity_factor: f64) -> f64;
     /// A step with the drivers already set.
     ///
     /// # Errors
@@ -99,25 +110,73 @@ struct LagStart<M: Driven<N>, const N: usize> {
 impl<M: Driven<N>, const N: usize> Runtime<M, N> {
     /// Whether an effect depends on drivers.
     #[inline(always)]
-    pub(crate) fn is_told(&self) -> bool {
+    pub(crate) fn has_driven_effects(&self) -> bool {
         M::effects(&self.parameters).acts_at(EffectPort::Any)
+    }
+
+    /// Whether current or speed is a state in use.
+    fn has_fast_states(&self) -> bool {
+        let [current, speed] =
+            const { [index_of(M::LIST, "state.current"), index_of(M::LIST, "state.shaft_speed")] };
+        M::moves(self, current) || M::moves(self, speed)
     }
 
     /// Sets the drivers of the terms to their values at `time` and updates the heat capacities.
     #[inline]
     pub(crate) fn set_drivers(&mut self, time: f64) {
-        if self.is_told() {
+        if self.has_driven_effects() {
             let drivers = self.drivers_after(time, 0.0);
             M::hold(self, &drivers);
         }
-        M::follow_capacity(self);
+        self.follow_capacity();
+    }
+
+    /// Updates the heat capacities to the drivers.
+    #[inline]
+    fn follow_capacity(&mut self) {
+        let factor = M::effects(&self.parameters).capacity_factor();
+        if factor != self.own.terms().capacity_factor {
+            self.change_capacity(factor);
+        }
+    }
+
+    /// Not inlined, because hardly any step changes the heat capacities.
+    #[inline(never)]
+    fn change_capacity(&mut self, factor: f64) {
+        let gained = self.heat_gained(factor);
+        self.own.terms_mut().capacity_factor = factor;
+        M::follow_parameters(self);
+        *self.own.stored_at_start() += gained;
+    }
+
+    /// Heat that the nodes gain by a change of the factor on the heat capacities to `factor`, J; 0 in Model Exchange, where the energy
+    /// balance excludes it only when the importer completes a step ([`Self::book_capacity`]).
+    pub(crate) fn heat_gained(&self, factor: f64) -> f64 {
+        if self.pre.is_some() { 0.0 } else { self.heat_difference(self.own.terms().capacity_factor, factor) }
+    }
+
+    /// Heat that the nodes gain by a change of the factor on the heat capacities, J.
+    fn heat_difference(&self, from: f64, to: f64) -> f64 {
+        if from == to { 0.0 } else { M::heat(self, to) - M::heat(self, from) }
+    }
+
+    /// The importer has completed a step: the energy balance excludes the heat that the nodes have gained since the factor on the heat
+    /// capacities was `booked`, a discrete state.
+    pub(crate) fn book_capacity(&mut self, booked: impl FnOnce(&mut M::Discrete) -> &mut f64) {
+        self.set_drivers(self.time);
+        let factor = self.own.terms().capacity_factor;
+        if let Some(pre) = &mut self.pre {
+            let before = std::mem::replace(booked(&mut pre.discrete), factor);
+            *self.own.stored_at_start() += self.heat_difference(before, factor);
+            self.outdate();
+        }
     }
 
     /// A step without an event inside.
     #[inline]
     pub(crate) fn advance_driven(&mut self, time: f64, h: f64) -> Result<(), Halt> {
-        if !self.is_told() {
-            M::follow_capacity(self);
+        if !self.has_driven_effects() {
+            self.follow_capacity();
             return self.take_step(time, h);
         }
         let along = self.drivers_along(time, h)?;
@@ -151,8 +210,8 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         self.take_along(time, h, along)?;
         // Current and speed have settled at the end of the lag's line. A lag that differs from it, if only by the error of the estimate,
         // would give them derivatives of this difference over L/R.
-        if self.own.holds_states() && self.own.has_fast_states() {
-            self.own.lags_mut().now = along[2].lagged;
+        if self.own.terms().holds_states && self.has_fast_states() {
+            self.own.terms_mut().lags = along[2].lagged;
         }
         Ok(())
     }
@@ -160,18 +219,18 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
     /// A step with the drivers at its start, on average and at its end.
     fn take_along(&mut self, time: f64, h: f64, [from, mean, to]: &[Drivers; 3]) -> Result<(), Halt> {
         M::hold(self, mean);
-        M::follow_capacity(self);
+        self.follow_capacity();
         let line = |k: usize| Line { start: from.lagged[k], slope: (to.lagged[k] - from.lagged[k]) / h };
-        self.own.lags_mut().over_step = Some((std::array::from_fn(line), time));
+        self.own.terms_mut().over_step = Some((std::array::from_fn(line), time));
         let taken = self.take_step(time, h);
-        self.own.lags_mut().over_step = None;
+        self.own.terms_mut().over_step = None;
         taken
     }
 
     /// A step with the drivers already set, and of the lags.
     #[inline]
     fn take_step(&mut self, time: f64, h: f64) -> Result<(), Halt> {
-        let is_lagging = self.is_told() && M::effects(&self.parameters).has_lags();
+        let is_lagging = self.has_driven_effects() && M::effects(&self.parameters).has_lags();
         let start = is_lagging.then(|| self.lag_start(h));
         M::take(self, time, h)?;
         // The following is evaluated at the end of the step, where the inputs have their final values.
@@ -193,7 +252,7 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         let from = self.drivers_after(time, 0.0);
         let mut to = self.drivers_after(time, h);
         let mut mean = from.middle(&to);
-        let (lags, holds_states) = (self.lags_of_terms(), self.own.holds_states());
+        let (lags, holds_states) = (self.lags_of_terms(), self.own.terms().holds_states);
         // First estimate of the lags of states: their drivers stay as they are.
         let present = if holds_states { self.lag_sources() } else { [0.0; MOST_TERMS] };
         for (k, lag) in lags.iter().enumerate() {
@@ -211,8 +270,12 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         let before = M::checkpoint(self);
         let taken = self.take_along(time, h, &[from, mean, to]);
         to = self.drivers_after(time + h, 0.0);
-        mean = Drivers { lagged: self.own.lags().mean, ..from.middle(&to) };
-        M::improve_mean(self, &mut mean, h);
+        mean = Drivers { lagged: self.own.terms().mean, ..from.middle(&to) };
+        if let Some(integrals) = M::integrals(self) {
+            // A current may reach its new value in a small part of the step.
+            [mean.current, mean.speed, mean.winding_temperature, mean.housing_temperature] =
+                integrals.map(|integral| integral / h);
+        }
         M::return_to(self, before);
         taken?;
         Ok([from, mean, to])
@@ -223,7 +286,7 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         let inputs = self.inputs_after(h);
         // Heat flows are available only after the effects have their drivers; lags alone use them ([`Self::lag_sources`]).
         let drivers = M::drivers_of(self, time + h, &inputs, &M::instant(self));
-        Drivers { lagged: self.own.lags().now, ..drivers }
+        Drivers { lagged: self.own.terms().lags, ..drivers }
     }
 
     /// The inputs after `h` seconds.
@@ -255,13 +318,13 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         if !M::effects(&self.parameters).has_lags() {
             return;
         }
-        *self.own.lags_mut() = Lags::default();
+        self.own.terms_mut().lags = [0.0; MOST_TERMS];
         self.set_drivers(self.time);
         // Two passes: heat flows may depend on the drivers.
-        let above = M::lags_above(&self.parameters);
+        let above = M::lag_starts(&self.parameters).of_terms();
         for _ in 0..2 {
             let sources = self.lag_sources();
-            self.own.lags_mut().now = std::array::from_fn(|k| sources[k] + above[k] * self.lag_size(k));
+            self.own.terms_mut().lags = std::array::from_fn(|k| sources[k] + above[k] * self.lag_size(k));
             self.set_drivers(self.time);
         }
     }
@@ -281,10 +344,10 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         for (k, lag) in self.lags_of_terms().iter().enumerate() {
             if let Some(lag) = lag {
                 let source = [start.sources[k], middle[k], after[k]];
-                let lags = self.own.lags_mut();
-                let before = lags.now[k];
-                lags.now[k] = lagged(before, lag.tau, source, h);
-                lags.mean[k] = mean_lagged([before, lags.now[k]], lag.tau, source, h);
+                let terms = self.own.terms_mut();
+                let before = terms.lags[k];
+                terms.lags[k] = lagged(before, lag.tau, source, h);
+                terms.mean[k] = mean_lagged([before, terms.lags[k]], lag.tau, source, h);
             }
         }
     }
@@ -316,12 +379,12 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
 
     /// State of the `k`-th term's lag, divided by a typical value of its driver; 0 without one.
     pub(crate) fn lag_state(&self, k: usize) -> f64 {
-        if self.has_lag(k) { self.own.lags().now[k] / self.lag_size(k) } else { 0.0 }
+        if self.has_lag(k) { self.own.terms().lags[k] / self.lag_size(k) } else { 0.0 }
     }
 
     /// Sets the state of the `k`-th term's lag.
     pub(crate) fn put_lag_state(&mut self, k: usize, value: f64) {
-        self.own.lags_mut().now[k] = value * self.lag_size(k);
+        self.own.terms_mut().lags[k] = value * self.lag_size(k);
     }
 
     /// Derivatives of the lag states, with the heat flows from elsewhere.
@@ -330,7 +393,7 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
             return [0.0; MOST_TERMS];
         }
         let sources = self.sources_of(self.drivers_after(self.time, 0.0), heat_flows);
-        let (lags, now) = (self.lags_of_terms(), self.own.lags().now);
+        let (lags, now) = (self.lags_of_terms(), self.own.terms().lags);
         std::array::from_fn(|k| {
             lags[k].map_or(0.0, |lag| (sources[k] - now[k]) / (lag.tau * lag.driver.nominal()))
         })

@@ -172,8 +172,8 @@ pub trait Equations<const N: usize>: Clone + Debug + Saved + Send + Sync + Sized
     fn restored(_run: &mut Runtime<Self, N>, _next: &mut impl FnMut() -> Option<f64>) -> Option<()> {
         Some(())
     }
-    /// Sets the factor on the integrator's tolerances for searches.
-    fn ease(_run: &mut Runtime<Self, N>, _factor: f64) {}
+    /// Sets the factors on the integrator's tolerances for searches: of heat, and of current and speed.
+    fn ease(_run: &mut Runtime<Self, N>, _factors: [f64; 2]) {}
     /// Sets the factor between the importer's tolerance and that of the integrator.
     fn scale_tolerances(run: &mut Runtime<Self, N>, factor: f64);
     /// Number of rejected steps.

@@ -12,7 +12,7 @@ mod halt;
 mod model;
 mod saved;
 
-pub use driven::{Driven, Lags};
+pub use driven::{Driven, TermStates};
 pub use equations::{Equations, NoVariables, Table};
 pub use exchange::PreValues;
 pub use halt::Halt;

@@ -204,8 +204,8 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
         out.extend(self.followed.iter().map(|k| all[k]));
     }
 
-    fn ease(&mut self, factor: f64) {
-        M::ease(self, factor);
+    fn ease(&mut self, factors: [f64; 2]) {
+        M::ease(self, factors);
     }
 
     fn scale_tolerances(&mut self, factor: f64) {

@@ -23,12 +23,14 @@
 //! the next communication step starts with the next step size of this one.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
 
+mod capacity;
 mod frozen;
 mod square;
 mod state;
 mod step;
 mod system;
 
+pub use capacity::HeatCapacities;
 pub use state::{State, StepIntegrals, middle_of};
 pub use system::{Fast, Segment, System, Work};
 
@@ -42,8 +44,6 @@ use square::Squares;
 /// Relative tolerance of one step on the error of temperatures and energies, and on the stage error where
 /// rates are nonlinear within a stiff step ([`System::bends_where_stiff`]).
 const TOLERANCE: f64 = 1e-7;
-/// Ratio of an eased tolerance on current and speed to that on heat: an error of current or speed passes, one of heat adds up.
-const EASED: f64 = 10.0;
 /// Relative tolerance of one step on the stage error elsewhere, an estimate of the method's own order, on the effect of the coupling
 /// error on the fast block, and on its line error where rates are nonlinear within a stiff step.
 const STAGE_TOLERANCE: f64 = 1e-6;
@@ -78,8 +78,8 @@ pub struct StepFailure {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split<const N: usize> {
     frozen: Frozen<N>,
-    /// Factor on [`TOLERANCE`].
-    ease: f64,
+    /// Factors on [`TOLERANCE`]: of heat, and of stage and line error.
+    ease: [f64; 2],
     /// Factor on all tolerances.
     scale: f64,
     /// Reciprocals of the tolerances, without and with [`System::bends_where_stiff`]: of heat, stage and line error.
@@ -133,25 +133,25 @@ impl<const N: usize> Split<N> {
 
     /// An integrator with the default tolerances.
     fn with(frozen: Frozen<N>, trial: f64) -> Self {
-        let split = Split { frozen, ease: 1.0, scale: 1.0, per_tolerance: [[0.0; 3]; 2], rejected: 0, trial };
+        let split =
+            Split { frozen, ease: [1.0; 2], scale: 1.0, per_tolerance: [[0.0; 3]; 2], rejected: 0, trial };
         split.with_tolerances()
     }
 
-    /// The same with the tolerances: [`TOLERANCE`] times `ease`, and those of stage and line error, at least as large, when eased
-    /// [`EASED`] times as large; all times `scale`.
+    /// The same with the tolerances: [`TOLERANCE`] times `ease`, where it is larger than the tolerance of stage or line error; all times
+    /// `scale`.
     fn with_tolerances(mut self) -> Self {
-        let tolerance = TOLERANCE * self.ease;
-        let fast = if self.ease > 1.0 { EASED * tolerance } else { tolerance };
+        let [heat, fast] = self.ease.map(|ease| TOLERANCE * ease);
         let limits = [[STAGE_TOLERANCE, LINE_TOLERANCE], [TOLERANCE, STAGE_TOLERANCE]];
         self.per_tolerance = limits.map(|[stage, line]| {
-            [tolerance, fast.max(stage), fast.max(line)].map(|tolerance| 1.0 / (tolerance * self.scale))
+            [heat, fast.max(stage), fast.max(line)].map(|tolerance| 1.0 / (tolerance * self.scale))
         });
         self
     }
 
-    /// Multiplies the tolerance by this factor; not part of the saved state.
-    pub fn ease(&mut self, factor: f64) {
-        *self = Split { ease: factor, ..*self }.with_tolerances();
+    /// Multiplies the tolerances of heat, and of current and speed, by these factors; not part of the saved state.
+    pub fn ease(&mut self, factors: [f64; 2]) {
+        *self = Split { ease: factors, ..*self }.with_tolerances();
     }
 
     /// Multiplies all tolerances, including that of the frozen Jacobians, by a factor on their defaults; not part of the saved state.

@@ -1,8 +1,8 @@
-//! Drivers of the terms, temperature sensor of the housing, and initial state.
+//! Drivers of the terms, changed parameters, temperature sensor of the housing, and initial state.
 
 use super::equations::{Constants, NODES};
 use super::motor::{AnnulusCooledMotor, Motor};
-use super::network::Network;
+use super::network::{Body, Network};
 use super::parameters::Parameters;
 use super::state_list::ALL;
 use super::stepping::Checkpoint;
@@ -10,9 +10,9 @@ use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::initial::temperature;
 use crate::components::sensor::lagged;
 use crate::effects::{Effects, PerNode};
-use crate::runtime::{Driven, Equations, Halt, Lags};
+use crate::runtime::{Driven, Equations, Halt, TermStates};
 use crate::solver::split::{Fast, State, middle_of};
-use crate::terms::{Drivers, MOST_TERMS};
+use crate::terms::{Drivers, LagStarts};
 
 impl Driven<ALL> for Motor {
     /// With the temperature of the housing, K.
@@ -24,24 +24,20 @@ impl Driven<ALL> for Motor {
         &parameters.effects
     }
 
-    fn lags_above(parameters: &Parameters) -> [f64; MOST_TERMS] {
-        parameters.initial.term_lags()
+    fn lag_starts(parameters: &Parameters) -> &LagStarts {
+        &parameters.lag_starts
     }
 
-    fn lags(&self) -> &Lags {
-        &self.lags
+    fn terms(&self) -> &TermStates {
+        &self.terms
     }
 
-    fn lags_mut(&mut self) -> &mut Lags {
-        &mut self.lags
+    fn terms_mut(&mut self) -> &mut TermStates {
+        &mut self.terms
     }
 
-    fn holds_states(&self) -> bool {
-        self.constants.holds_states
-    }
-
-    fn has_fast_states(&self) -> bool {
-        self.constants.has_fast_states()
+    fn stored_at_start(&mut self) -> &mut f64 {
+        &mut self.stored_at_start
     }
 
     fn instant(run: &AnnulusCooledMotor) -> (State<NODES>, f64) {
@@ -93,14 +89,8 @@ impl Driven<ALL> for Motor {
         }
     }
 
-    fn improve_mean(run: &AnnulusCooledMotor, mean: &mut Drivers, h: f64) {
-        if run.own.network.is_none() {
-            let over_step = &run.own.state.integrals;
-            mean.winding_temperature = over_step.temperature[0] / h;
-            mean.housing_temperature = over_step.temperature[1] / h;
-            // A current may reach its new value in a small part of the step.
-            (mean.current, mean.speed) = (over_step.fast[0] / h, over_step.fast[1] / h);
-        }
+    fn integrals(run: &AnnulusCooledMotor) -> Option<[f64; 4]> {
+        run.own.network.is_none().then(|| run.own.state.integrals.of_drivers())
     }
 
     fn heat_flows(run: &AnnulusCooledMotor) -> [f64; 2] {
@@ -117,11 +107,31 @@ impl Driven<ALL> for Motor {
         }
     }
 
-    #[inline]
-    fn follow_capacity(run: &mut AnnulusCooledMotor) {
-        if let Some(factor) = run.capacity_change(&run.parameters) {
-            run.change_capacity(factor);
-        }
+    fn follow_parameters(run: &mut AnnulusCooledMotor) {
+        let Parameters { choices, effects, .. } = &run.parameters;
+        let is_speed_free = choices.mechanical_mode == MechanicalMode::FreeShaft;
+        run.own.terms.holds_states =
+            effects.holds_states(choices.drive_mode != DriveMode::Current, is_speed_free);
+        run.own.constants = Constants::of(&run.parameters).with_capacity(run.own.terms.capacity_factor);
+        run.own.fan = (f64::NAN, PerNode::default());
+        run.own.fault = Body::fault(&run.parameters);
+        let body = Body::of(&run.parameters);
+        run.own.network = match (run.own.network.take(), body) {
+            (Some(mut network), Some(body)) if network.body.segments == body.segments => {
+                network.follow(&run.parameters, body);
+                Some(network)
+            }
+            // A new network starts at the temperature of the node that it replaces.
+            (_, Some(body)) => {
+                Some(Box::new(Network::new(&run.parameters, body, run.own.state.temperature[1])))
+            }
+            (_, None) => None,
+        };
+    }
+
+    fn heat(run: &AnnulusCooledMotor, capacity_factor: f64) -> f64 {
+        let capacity = Constants::of(&run.parameters).capacity.scaled(capacity_factor);
+        capacity.heat(&run.own.state.temperature, run.own.t_start)
     }
 
     #[inline]
@@ -139,29 +149,6 @@ impl Driven<ALL> for Motor {
 }
 
 impl AnnulusCooledMotor {
-    /// Not inlined, because hardly any step changes the heat capacities.
-    #[inline(never)]
-    fn change_capacity(&mut self, factor: f64) {
-        let before = self.own.constants;
-        self.own.capacity_factor = factor;
-        self.follow_parameters();
-        self.own.stored_at_start -= self.heat_gain(&before);
-    }
-
-    /// The factor on the heat capacities with these parameters, if it has changed.
-    #[inline]
-    pub(super) fn capacity_change(&self, parameters: &Parameters) -> Option<f64> {
-        let factor = parameters.effects.capacity_factor();
-        (factor != self.own.capacity_factor).then_some(factor)
-    }
-
-    /// Heat stored with other heat capacities minus that with the present ones, J; 0 in Model Exchange, where the stored energy is
-    /// corrected only when the importer completes a step (`accept_step`).
-    pub(super) fn heat_gain(&self, other: &Constants) -> f64 {
-        let heat = |c: &Constants| c.heat(&self.own.state.temperature, self.own.t_start);
-        if self.pre.is_none() { heat(other) - heat(&self.own.constants) } else { 0.0 }
-    }
-
     /// Temperature of a node in the middle of the last `h` seconds, K, in which it was a parabola with the mean that the integrator found;
     /// `from` is that at the start.
     fn middle_of(&self, node: usize, from: f64, h: f64) -> f64 {

@@ -254,7 +254,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
                 + self.heat_at(t, state.x[1])
                 - even,
             per_kelvin: motor.R_ref * motor.alpha * square,
-            capacity: self.capacity()[WINDING],
+            capacity: self.capacity().values[WINDING],
             conductance: self.constants.across * ports.winding_housing_conductance(t_w)
                 + self.conductance_at(t).winding,
         }
@@ -460,7 +460,7 @@ impl<'a, const FORM: u8> Step<'a, FORM> {
         ledger.transfer(Terminals, Ambient, drive);
 
         let warming = self.network_rates(t, temperature)
-            + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity());
+            + self.heat_rates(t, x, temperature).component_mul(&self.capacity().inverse);
         let to_ambient = self.outflow(t, temperature) + drive;
         let power_in = self.power_in(t, x, &ends);
         Point { voltage, power_in, drive, drag, shaft_torque, fast, warming, to_ambient, ledger }

@@ -2,7 +2,6 @@
 
 use crate::components::initial::first_outside;
 use crate::components::validity::Limits;
-use crate::terms::MOST_TERMS;
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -33,22 +32,10 @@ variables! {
         shaft_speed: f64 = Variable::fixed(7, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(1000.0),
         /// Initial angle of the shaft
         shaft_angle: f64 = Variable::fixed(8, 0.0, Unit::Radian, -1e9, 1e9).nominal(100.0),
-        /// Initial lagged driver of term 1 of resources/effects.json less its driver, divided by a typical value of the driver as
-        /// state.term_lag[1] is; without effect if the term has no lag
-        term_lag_1: f64 = Variable::fixed(16, 0.0, Unit::One, -1e6, 1e6),
-        /// Initial lagged driver of term 2 of resources/effects.json less its driver, as initial.term_lag_1
-        term_lag_2: f64 = Variable::fixed(17, 0.0, Unit::One, -1e6, 1e6),
-        /// Initial lagged driver of term 3 of resources/effects.json less its driver, as initial.term_lag_1
-        term_lag_3: f64 = Variable::fixed(18, 0.0, Unit::One, -1e6, 1e6),
     }
 }
 
 impl Initial {
-    /// What the lagged driver of each term exceeds its driver by, divided by a typical value of the driver.
-    pub(super) fn term_lags(&self) -> [f64; MOST_TERMS] {
-        [self.term_lag_1, self.term_lag_2, self.term_lag_3]
-    }
-
     /// Initial values outside the limits of validity, in one sentence.
     pub(super) fn fault(&self, limits: &Limits) -> Option<String> {
         let others = [

@@ -1,5 +1,5 @@
 //! The motor as [`Equations`] of the runtime: its state, outputs and events. `states.rs` has the continuous states, `reading.rs` their
-//! derivatives, `stepping.rs` the steps, `drivers.rs` the drivers of terms, the sensor and the initial state.
+//! derivatives, `stepping.rs` the steps, `drivers.rs` the drivers of terms, changed parameters, the sensor and the initial state.
 
 use super::equations::{Constants, NODES, Step, Temperatures};
 use super::network::{Body, Network};
@@ -11,7 +11,7 @@ use crate::components::validity::Extremes;
 use crate::effects::PerNode;
 use crate::exchange::is_above;
 use crate::model::{Declaration, Declared, Fault, HousingHeat};
-use crate::runtime::{Equations, Halt, Lags, Runtime};
+use crate::runtime::{Driven, Equations, Halt, Runtime, TermStates};
 use crate::saved;
 use crate::solver::split::{Split, State};
 use crate::terms::{Drivers, GenericTerm};
@@ -30,12 +30,10 @@ pub struct Motor {
     pub(super) state: State<NODES>,
     /// Temperatures of the sensors, K.
     pub(super) sensors: PerNode,
-    /// The lags of terms.
-    pub(super) lags: Lags,
+    /// States of the terms.
+    pub(super) terms: TermStates,
     /// Temperature at the start, K; reference of the stored heat.
     pub(super) t_start: f64,
-    /// Factor on the heat capacities of [`Constants`].
-    pub(super) capacity_factor: f64,
     /// Energy stored at the start, J.
     pub(super) stored_at_start: f64,
     pub(super) split: Split<NODES>,
@@ -48,10 +46,10 @@ pub struct Motor {
 }
 
 saved!(PerNode { winding, housing });
-saved!(Motor { sensors, t_start, capacity_factor, lags, stored_at_start, state, split, phases });
+saved!(Motor { sensors, t_start, terms, stored_at_start, state, split, phases });
 
 /// Discrete states in Model Exchange.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Discrete {
     /// The sector of block commutation since the last event.
     sector: f64,
@@ -64,12 +62,6 @@ pub struct Discrete {
 }
 
 saved!(Discrete { sector, over_temperature, idle, booked });
-
-impl Default for Discrete {
-    fn default() -> Self {
-        Discrete { sector: 0.0, over_temperature: false, idle: false, booked: 1.0 }
-    }
-}
 
 impl Discrete {
     /// The electrical angle at the middle of the sector, rad.
@@ -128,7 +120,7 @@ impl AnnulusCooledMotor {
         let fan = if is_kept { fan.1 } else { parameters.to_ambient(self.inputs.fan_command) };
         let mut step = Step::new(parameters, constants, &self.inputs, &self.slopes, fan, self.time);
         step.excess = self.excess();
-        step.lags = self.own.lags.after(self.time);
+        step.lags = self.own.terms.lags_after(self.time);
         if let Some(pre) = &self.pre {
             step = step.with_strength_since(pre.since).with_open_switches(pre.discrete.idle);
         }
@@ -143,25 +135,6 @@ impl AnnulusCooledMotor {
         let state = self.own.state;
         let network = self.own.network.as_ref().map_or(0.0, |n| n.stored(self.own.t_start));
         self.equations().stored(&state, self.own.t_start) + network
-    }
-
-    /// Applies changed parameters.
-    pub(super) fn follow_parameters(&mut self) {
-        self.own.constants = Constants::of(&self.parameters).with_capacity(self.own.capacity_factor);
-        self.own.fan = (f64::NAN, PerNode::default());
-        self.own.fault = Body::fault(&self.parameters);
-        let body = Body::of(&self.parameters);
-        self.own.network = match (self.own.network.take(), body) {
-            (Some(mut network), Some(body)) if network.body.segments == body.segments => {
-                network.follow(&self.parameters, body);
-                Some(network)
-            }
-            // A new network starts at the temperature of the node that it replaces.
-            (_, Some(body)) => {
-                Some(Box::new(Network::new(&self.parameters, body, self.own.state.temperature[1])))
-            }
-            (_, None) => None,
-        };
     }
 
     /// Temperatures with limits of validity.
@@ -200,9 +173,8 @@ impl Equations<ALL> for Motor {
             fan: (f64::NAN, PerNode::default()),
             state: State::default(),
             sensors: PerNode::default(),
-            lags: Lags::default(),
+            terms: TermStates::default(),
             t_start: 0.0,
-            capacity_factor: 1.0,
             stored_at_start: 0.0,
             split: Split::default(),
             phases: Phases::default(),
@@ -223,7 +195,7 @@ impl Equations<ALL> for Motor {
         run.own.split = Split::default();
         run.own.phases = Phases::default();
         run.own.network = None;
-        run.follow_parameters();
+        Self::follow_parameters(run);
         Self::follow_inputs(run);
         run.set_drivers(time);
         ambient += run.parameters.effects.ambient_offset();
@@ -231,7 +203,7 @@ impl Equations<ALL> for Motor {
         run.own.t_start = ambient;
         // Created again, because a new network starts at the temperature of the state.
         run.own.network = None;
-        run.follow_parameters();
+        Self::follow_parameters(run);
         run.put_initial(ambient);
         // Terms may depend on the initial temperatures.
         run.set_drivers(time);
@@ -262,7 +234,9 @@ impl Equations<ALL> for Motor {
             Output::current => Some(state.x[0]),
             Output::shaft_angle => Some(state.angle),
             Output::shaft_speed => Some(state.x[1]),
-            sensor @ (Output::winding_temperature | Output::housing_temperature) if !run.is_told() => {
+            sensor @ (Output::winding_temperature | Output::housing_temperature)
+                if !run.has_driven_effects() =>
+            {
                 let ambient = run.ambient(run.time).start;
                 Some(match sensor {
                     Output::winding_temperature => effects.winding_sensor(run.own.sensors.winding, ambient),
@@ -303,7 +277,7 @@ impl Equations<ALL> for Motor {
     fn set_parameter(run: &mut AnnulusCooledMotor, set: impl FnOnce(&mut Parameters) -> bool) -> bool {
         let before = run.stored();
         let taken = set(&mut run.parameters);
-        run.follow_parameters();
+        Self::follow_parameters(run);
         run.own.stored_at_start += run.stored() - before;
         taken
     }
@@ -327,7 +301,7 @@ impl Equations<ALL> for Motor {
 
     fn set_terms(run: &mut AnnulusCooledMotor, terms: &[GenericTerm]) -> bool {
         let taken = run.parameters.effects.take_terms(terms);
-        run.follow_parameters();
+        Self::follow_parameters(run);
         taken
     }
 
@@ -379,7 +353,7 @@ impl Equations<ALL> for Motor {
     }
 
     fn discrete_before(run: &AnnulusCooledMotor) -> Discrete {
-        Discrete { booked: run.own.capacity_factor, ..Discrete::default() }
+        Discrete { booked: run.own.terms.capacity_factor, ..Discrete::default() }
     }
 
     fn discrete(run: &AnnulusCooledMotor, before: &Discrete) -> Discrete {
@@ -411,14 +385,7 @@ impl Equations<ALL> for Motor {
 
     /// The energy balance excludes the change of stored heat when a term changes the heat capacities.
     fn accept_step(run: &mut AnnulusCooledMotor) {
-        run.set_drivers(run.time);
-        let own = &mut run.own;
-        if let Some(pre) = &mut run.pre {
-            let heat = own.constants.heat(&own.state.temperature, own.t_start);
-            own.stored_at_start += heat - heat * pre.discrete.booked / own.capacity_factor;
-            pre.discrete.booked = own.capacity_factor;
-            run.outdate();
-        }
+        run.book_capacity(|discrete| &mut discrete.booked);
     }
 
     fn excess(run: &AnnulusCooledMotor) -> f64 {
@@ -445,17 +412,17 @@ impl Equations<ALL> for Motor {
 
     fn restored(run: &mut AnnulusCooledMotor, next: &mut impl FnMut() -> Option<f64>) -> Option<()> {
         run.own.network = None;
-        run.follow_parameters();
+        Self::follow_parameters(run);
         match &mut run.own.network {
             Some(network) => network.take_numbers(&run.parameters, next),
             None => Some(()),
         }
     }
 
-    fn ease(run: &mut AnnulusCooledMotor, factor: f64) {
-        run.own.split.ease(factor);
+    fn ease(run: &mut AnnulusCooledMotor, factors: [f64; 2]) {
+        run.own.split.ease(factors);
         if let Some(network) = &mut run.own.network {
-            network.ease(factor);
+            network.ease(factors[0]);
         }
     }
 

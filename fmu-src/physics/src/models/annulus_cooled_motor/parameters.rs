@@ -12,6 +12,7 @@ use crate::components::thermal::Thermal;
 use crate::components::validity::{Limits, Validity};
 use crate::effects::{Effects, PerNode};
 use crate::groups;
+use crate::terms::LagStarts;
 use declare::{Variable, variables};
 
 variables! {
@@ -53,6 +54,8 @@ groups! {
         validity: Validity = "validity." @ 650,
         /// Initial state.
         initial: Initial = "initial." @ 660,
+        /// Initial lags of terms.
+        lag_starts: LagStarts = "initial." @ 660,
         /// Effects, each off by default.
         effects: Effects,
     }

@@ -31,24 +31,22 @@ impl AnnulusCooledMotor {
     #[inline(always)]
     pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Reading) -> T) -> T {
         let own = &self.own;
-        let is_told = self.is_told();
+        let is_driven = self.has_driven_effects();
         let is_cooled = own.network.as_ref().is_none_or(|n| {
             self.pre.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
         });
-        if !is_told && (is_cooled || !cooled) {
+        if !is_driven && (is_cooled || !cooled) {
             let (step, network) = (self.equations(), own.network.as_deref());
             return look(&Reading { run: self, step, network, stored_at_start: own.stored_at_start });
         }
         let mut parameters = self.parameters;
-        let cools = is_told && parameters.effects.set_drivers(&self.drivers_after(self.time, 0.0));
+        let cools = is_driven && parameters.effects.set_drivers(&self.drivers_after(self.time, 0.0));
         let fan = if cools { (f64::NAN, PerNode::default()) } else { own.fan };
-        let (mut constants, mut stored_at_start) = (None, own.stored_at_start);
-        if let Some(factor) = self.capacity_change(&parameters) {
-            let changed = Constants::of(&parameters).with_capacity(factor);
-            stored_at_start += self.heat_gain(&changed);
-            constants = Some(changed);
-        }
-        let constants = constants.as_ref().unwrap_or(&own.constants);
+        let factor = parameters.effects.capacity_factor();
+        let changed =
+            (factor != own.terms.capacity_factor).then(|| Constants::of(&parameters).with_capacity(factor));
+        let constants = changed.as_ref().unwrap_or(&own.constants);
+        let stored_at_start = own.stored_at_start + self.heat_gained(factor);
         let mut network = own.network.as_deref().map(Network::bare);
         if let Some(network) = &mut network {
             if cools || self.pre.is_none() {
@@ -106,7 +104,7 @@ impl Reading<'_> {
         let (x, temperature) = (run.own.state.x, run.own.state.temperature);
         let fast = step.fast_rates(0.0, &x, &temperature);
         let warming = step.network_rates(0.0, &temperature)
-            + step.heat_rates(0.0, &x, &temperature).component_mul(step.inverse_capacity());
+            + step.heat_rates(0.0, &x, &temperature).component_mul(&step.capacity().inverse);
         let friction = step.drag_beyond(&x, &temperature);
         let ambient = step.ambient_at_start();
         (all[CURRENT], all[SPEED]) = (fast[0], fast[1]);

@@ -74,7 +74,7 @@ impl AnnulusCooledMotor {
         let mut step = Step::<FORM>::of(&self.parameters, &self.own.constants, inputs, self.own.fan.1, time);
         step.excess = excess;
         if FORM == ALL {
-            step.lags = self.own.lags.after(time);
+            step.lags = self.own.terms.lags_after(time);
         }
         let (before, sensed) = (self.own.state, self.sensed());
         let next = &mut self.own.state;
@@ -161,7 +161,7 @@ impl AnnulusCooledMotor {
         let (ambient, sensed) = (self.ambient(time), self.sensed());
         let still = !self.is_sloping();
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
-        let (excess, lags) = (self.mean_excess(h), self.own.lags.after(time));
+        let (excess, lags) = (self.mean_excess(h), self.own.terms.lags_after(time));
         let Some(network) = &mut self.own.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);
         network.refresh(&self.parameters, &middle, at_middle, [0.0; 2]);

@@ -6,8 +6,8 @@ use super::nodes::{HOUSING, WINDING};
 use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::effects::Effects;
-use crate::runtime::{Driven, Halt, Lags};
-use crate::terms::{Drivers, MOST_TERMS};
+use crate::runtime::{Driven, Halt, TermStates};
+use crate::terms::{Drivers, LagStarts};
 
 /// The gearmotor before a step that may be undone. The parameters, whose effects have other drivers since, are not a part of it: every step
 /// sets the drivers.
@@ -26,24 +26,20 @@ impl Driven<ALL> for Gearmotor {
         &parameters.effects
     }
 
-    fn lags_above(parameters: &Parameters) -> [f64; MOST_TERMS] {
-        parameters.initial.term_lags()
+    fn lag_starts(parameters: &Parameters) -> &LagStarts {
+        &parameters.lag_starts
     }
 
-    fn lags(&self) -> &Lags {
-        &self.lags
+    fn terms(&self) -> &TermStates {
+        &self.terms
     }
 
-    fn lags_mut(&mut self) -> &mut Lags {
-        &mut self.lags
+    fn terms_mut(&mut self) -> &mut TermStates {
+        &mut self.terms
     }
 
-    fn holds_states(&self) -> bool {
-        self.constants.holds_states
-    }
-
-    fn has_fast_states(&self) -> bool {
-        true
+    fn stored_at_start(&mut self) -> &mut f64 {
+        &mut self.stored_at_start[0]
     }
 
     fn instant(run: &BrushedGearmotor) -> State {
@@ -71,12 +67,8 @@ impl Driven<ALL> for Gearmotor {
         }
     }
 
-    fn improve_mean(run: &BrushedGearmotor, mean: &mut Drivers, h: f64) {
-        let over_step = &run.own.state.integrals;
-        mean.winding_temperature = over_step.temperature[WINDING] / h;
-        mean.housing_temperature = over_step.temperature[HOUSING] / h;
-        // A current may reach its new value in a small part of the step.
-        (mean.current, mean.speed) = (over_step.fast[0] / h, over_step.fast[1] / h);
+    fn integrals(run: &BrushedGearmotor) -> Option<[f64; 4]> {
+        Some(run.own.state.integrals.of_drivers())
     }
 
     fn heat_flows(run: &BrushedGearmotor) -> [f64; 2] {
@@ -87,14 +79,14 @@ impl Driven<ALL> for Gearmotor {
         run.parameters.effects.set_drivers(drivers);
     }
 
-    fn follow_capacity(run: &mut BrushedGearmotor) {
-        let factor = run.parameters.effects.capacity_factor();
-        if factor != run.own.capacity_factor {
-            let before = run.own.constants;
-            run.own.capacity_factor = factor;
-            run.follow_parameters();
-            run.own.stored_at_start[0] += run.heat_gain(&before);
-        }
+    fn follow_parameters(run: &mut BrushedGearmotor) {
+        run.own.constants = Constants::of(&run.parameters).with_capacity(run.own.terms.capacity_factor);
+        run.own.terms.holds_states = run.parameters.effects.holds_states(true, true);
+    }
+
+    fn heat(run: &BrushedGearmotor, capacity_factor: f64) -> f64 {
+        let capacity = Constants::of(&run.parameters).capacity.scaled(capacity_factor);
+        capacity.heat(&run.own.state.temperature, run.own.t_start)
     }
 
     fn take(run: &mut BrushedGearmotor, time: f64, h: f64) -> Result<(), Halt> {
@@ -114,34 +106,16 @@ impl Driven<ALL> for Gearmotor {
 }
 
 impl BrushedGearmotor {
-    /// Applies changed parameters.
-    pub(super) fn follow_parameters(&mut self) {
-        self.own.constants = Constants::of(&self.parameters).with_capacity(self.own.capacity_factor);
-    }
-
-    /// Heat stored with the present heat capacities minus that with others, J; 0 in Model Exchange, where the stored energy is corrected
-    /// only when the importer completes a step (`accept_step`).
-    fn heat_gain(&self, other: &Constants) -> f64 {
-        if self.pre.is_some() { 0.0 } else { self.heat(&self.own.constants) - self.heat(other) }
-    }
-
-    /// Heat stored with these heat capacities, J.
-    pub(super) fn heat(&self, constants: &Constants) -> f64 {
-        constants.heat(&self.own.state.temperature, self.own.t_start)
-    }
-
     /// Result of `look` with the equations with the present drivers, and what is added to the energy stored at the start, J. The motor is
     /// unchanged: constant drivers belong to the steps, and reading an output must not change them.
     pub(super) fn observe<T>(&self, look: impl FnOnce(&Step, f64) -> T) -> T {
-        if !self.is_told() {
+        if !self.has_driven_effects() {
             return look(&self.step_equations(), 0.0);
         }
         let mut parameters = self.parameters;
         parameters.effects.set_drivers(&self.drivers_after(self.time, 0.0));
         let factor = parameters.effects.capacity_factor();
         let constants = Constants::of(&parameters).with_capacity(factor);
-        let gained =
-            if self.pre.is_some() { 0.0 } else { self.heat(&constants) - self.heat(&self.own.constants) };
-        look(&self.equations_of(&parameters, &constants), gained)
+        look(&self.equations_of(&parameters, &constants), self.heat_gained(factor))
     }
 }

@@ -25,7 +25,7 @@ mod driven;
 mod outputs;
 mod system;
 
-use super::nodes::{GEAR, HOUSING, Losses, NODES, Network, Path, Temperatures, WINDING, account};
+use super::nodes::{GEAR, Losses, NODES, Network, Path, Temperatures, account};
 use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::components::chopper::{Bridge, Cycle};
@@ -33,8 +33,8 @@ use crate::components::validity::Limits;
 use crate::effects::{Acts, EffectPort, Number, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::line::Line;
-use crate::solver::split::{Fast, System};
-use crate::terms::{Driver, MOST_TERMS};
+use crate::solver::split::{Fast, HeatCapacities, System};
+use crate::terms::MOST_TERMS;
 use driven::Followed;
 use nalgebra::SVector;
 use system::Instant;
@@ -57,31 +57,17 @@ pub struct Constants {
     inverse_l: f64,
     /// Moment of inertia at the output shaft, kg.m2.
     inertia: f64,
-    /// Heat capacities of the nodes, J/K.
-    capacity: Temperatures,
-    /// Their reciprocals, K/J.
-    inverse_capacity: Temperatures,
+    /// Heat capacities of the nodes.
+    pub(super) capacity: HeatCapacities<NODES>,
     /// Conductances of the effects from winding and housing to the box, W/K.
     to_box: PerNode,
     /// Ports at which effects act.
     acts: Acts,
     /// Whether any effect gets the present drivers within a step.
     driven: bool,
-    /// Whether an effect depends on drivers that follow the states and are constant over a step.
-    pub(super) holds_states: bool,
     /// Limits of validity.
     limits: Limits,
 }
-
-/// Drivers that follow the states; the others are inputs.
-const OF_STATES: [Driver; 6] = [
-    Driver::Speed,
-    Driver::Current,
-    Driver::WindingTemperature,
-    Driver::HousingTemperature,
-    Driver::CopperLoss,
-    Driver::FrictionLoss,
-];
 
 impl Constants {
     /// The constants of a gearmotor.
@@ -94,28 +80,17 @@ impl Constants {
         Constants {
             inverse_l: 1.0 / motor.L,
             inertia: motor.J * parameters.gear.ratio.powi(2),
-            capacity,
-            inverse_capacity: capacity.map(|c| 1.0 / c),
+            capacity: HeatCapacities::new(capacity),
             to_box,
             acts,
             driven: EffectPort::ALL.iter().any(|port| port.is_driven() && acts.at(*port)),
-            holds_states: OF_STATES.iter().any(|driver| effects.holds(*driver)),
             limits: parameters.limits(),
         }
     }
 
     /// The same with the heat capacities of winding and housing multiplied by `factor`.
-    pub(super) fn with_capacity(mut self, factor: f64) -> Constants {
-        for node in [WINDING, HOUSING] {
-            self.capacity[node] *= factor;
-            self.inverse_capacity[node] /= factor;
-        }
-        self
-    }
-
-    /// Heat stored in the nodes above the temperature `origin`, K, in J.
-    pub(super) fn heat(&self, temperature: &Temperatures, origin: f64) -> f64 {
-        self.capacity.dot(&temperature.add_scalar(-origin))
+    pub(super) fn with_capacity(self, factor: f64) -> Constants {
+        Constants { capacity: self.capacity.scaled(factor), ..self }
     }
 
     /// The thermal network.
@@ -257,7 +232,7 @@ impl<'a> Step<'a> {
     /// Stored energy, J: magnetic, kinetic, and heat above the temperature `origin`, K.
     pub fn stored(&self, state: &State, origin: f64) -> f64 {
         let (i, w) = (state.x[0], state.x[1]);
-        self.magnetic(i) + self.kinetic(w) + self.constants.heat(&state.temperature, origin)
+        self.magnetic(i) + self.kinetic(w) + self.constants.capacity.heat(&state.temperature, origin)
     }
 
     fn magnetic(&self, i: f64) -> f64 {
@@ -311,7 +286,7 @@ impl<'a> Step<'a> {
             drag,
             fast,
             warming: self.network_rates(t, temperature)
-                + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity()),
+                + self.heat_rates(t, x, temperature).component_mul(&self.capacity().inverse),
             to_ambient,
             ledger,
         }

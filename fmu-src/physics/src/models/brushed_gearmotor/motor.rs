@@ -8,7 +8,7 @@ use crate::components::validity::Extremes;
 use crate::effects::IMMINENT;
 use crate::exchange::is_above;
 use crate::model::{Declaration, Declared, Fault};
-use crate::runtime::{Equations, Halt, Lags, NoVariables, Runtime};
+use crate::runtime::{Driven, Equations, Halt, NoVariables, Runtime, TermStates};
 use crate::saved;
 use crate::solver::no_solution;
 use crate::solver::split::Split;
@@ -36,17 +36,15 @@ pub struct Gearmotor {
     /// Initial ambient temperature, K; reference of the stored heat.
     pub(super) t_start: f64,
     pub(super) stored_at_start: Stored,
-    /// Factor on the heat capacities of [`Constants`].
-    pub(super) capacity_factor: f64,
-    /// The lags of terms.
-    pub(super) lags: Lags,
+    /// States of the terms.
+    pub(super) terms: TermStates,
     split: Split<NODES>,
 }
 
-saved!(Gearmotor { t_start, stored_at_start, capacity_factor, lags, state, split });
+saved!(Gearmotor { t_start, stored_at_start, terms, state, split });
 
 /// Discrete states in Model Exchange.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Discrete {
     /// Sign of the duty at the last event.
     direction: f64,
@@ -57,12 +55,6 @@ pub struct Discrete {
 }
 
 saved!(Discrete { direction, over_temperature, booked });
-
-impl Default for Discrete {
-    fn default() -> Self {
-        Discrete { direction: 0.0, over_temperature: false, booked: 1.0 }
-    }
-}
 
 impl BrushedGearmotor {
     /// The state at the present time: current, A, speed, rad/s, angle, rad, temperatures, K, energies, J.
@@ -82,7 +74,7 @@ impl BrushedGearmotor {
         constants: &'a Constants,
     ) -> Step<'a> {
         let mut step = Step::new(parameters, constants, &self.inputs, &self.slopes, self.time);
-        step.lags = self.own.lags.after(self.time);
+        step.lags = self.own.terms.lags_after(self.time);
         match &self.pre {
             Some(pre) => {
                 // A duty that has just left zero determines the direction by its sign.
@@ -97,10 +89,10 @@ impl BrushedGearmotor {
     /// A step without an event inside, with the drivers of terms already set.
     pub(super) fn take(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let Runtime { parameters, inputs, slopes, own, .. } = &mut *self;
-        let Gearmotor { constants, state, split, lags, .. } = own;
+        let Gearmotor { constants, state, split, terms, .. } = own;
         let before = *state;
         let mut step = Step::new(parameters, constants, inputs, slopes, time);
-        step.lags = lags.after(time);
+        step.lags = terms.lags_after(time);
         if let Err(failure) = split.advance(&step, state, h) {
             *state = before;
             let now = [before.x[0], before.x[1], before.temperature[WINDING]];
@@ -155,8 +147,7 @@ impl Equations<ALL> for Gearmotor {
             state: State::default(),
             t_start: 0.0,
             stored_at_start: Stored::zeros(),
-            capacity_factor: 1.0,
-            lags: Lags::default(),
+            terms: TermStates::default(),
             split: Split::default(),
         }
     }
@@ -170,6 +161,7 @@ impl Equations<ALL> for Gearmotor {
         let indicated = run.inputs.ambient_temperature + drift;
         let initial = |run: &BrushedGearmotor, ambient| run.parameters.initial.state(ambient);
         run.own = Gearmotor { state: initial(run, indicated), ..Gearmotor::new(&run.parameters) };
+        Self::follow_parameters(run);
         // Terms may change the ambient temperature, and depend on the initial temperatures.
         run.set_drivers(run.time);
         let t_start = indicated + run.parameters.effects.ambient_offset();
@@ -208,7 +200,7 @@ impl Equations<ALL> for Gearmotor {
             Output::shaft_angle => Some(state.angle),
             Output::shaft_speed => Some(state.x[1]),
             _ => {
-                let node = Outputs::node(output).filter(|_| !run.is_told())?;
+                let node = Outputs::node(output).filter(|_| !run.has_driven_effects())?;
                 Some(run.own.constants.nodes(&run.parameters).indicated(node, &state.temperature))
             }
         }
@@ -230,7 +222,7 @@ impl Equations<ALL> for Gearmotor {
     fn set_parameter(run: &mut BrushedGearmotor, set: impl FnOnce(&mut Parameters) -> bool) -> bool {
         let before = run.stored();
         let taken = set(&mut run.parameters);
-        run.follow_parameters();
+        Self::follow_parameters(run);
         run.own.stored_at_start = run.own.stored_at_start + run.stored() - before;
         taken
     }
@@ -241,7 +233,7 @@ impl Equations<ALL> for Gearmotor {
 
     fn set_terms(run: &mut BrushedGearmotor, terms: &[GenericTerm]) -> bool {
         let taken = run.parameters.effects.take_terms(terms);
-        run.follow_parameters();
+        Self::follow_parameters(run);
         taken
     }
 
@@ -304,7 +296,7 @@ impl Equations<ALL> for Gearmotor {
     }
 
     fn discrete_before(run: &BrushedGearmotor) -> Discrete {
-        Discrete { booked: run.own.capacity_factor, ..Discrete::default() }
+        Discrete { booked: run.own.terms.capacity_factor, ..Discrete::default() }
     }
 
     fn discrete(run: &BrushedGearmotor, before: &Discrete) -> Discrete {
@@ -319,15 +311,7 @@ impl Equations<ALL> for Gearmotor {
 
     /// The energy balance excludes the change of stored heat when a term changes the heat capacities.
     fn accept_step(run: &mut BrushedGearmotor) {
-        run.set_drivers(run.time);
-        let present = run.heat(&run.own.constants);
-        let factor = run.own.capacity_factor;
-        if let Some(pre) = &mut run.pre {
-            let booked = std::mem::replace(&mut pre.discrete.booked, factor);
-            let before = Constants::of(&run.parameters).with_capacity(booked);
-            run.own.stored_at_start[0] += present - run.heat(&before);
-            run.outdate();
-        }
+        run.book_capacity(|discrete| &mut discrete.booked);
     }
 
     fn excess(run: &BrushedGearmotor) -> f64 {
@@ -348,12 +332,12 @@ impl Equations<ALL> for Gearmotor {
     }
 
     fn restored(run: &mut BrushedGearmotor, _: &mut impl FnMut() -> Option<f64>) -> Option<()> {
-        run.follow_parameters();
+        Self::follow_parameters(run);
         Some(())
     }
 
-    fn ease(run: &mut BrushedGearmotor, factor: f64) {
-        run.own.split.ease(factor);
+    fn ease(run: &mut BrushedGearmotor, factors: [f64; 2]) {
+        run.own.split.ease(factors);
     }
 
     fn scale_tolerances(run: &mut BrushedGearmotor, factor: f64) {

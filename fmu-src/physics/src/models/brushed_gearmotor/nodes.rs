@@ -9,7 +9,6 @@ use crate::components::validity::Limits;
 use crate::effects::{Effects, PerNode};
 use crate::ledger::{Account, MOST_NODES};
 use crate::solver::split::{self, Fast};
-use crate::terms::MOST_TERMS;
 use declare::{Elements, Unit, Variable, states, variables};
 use nalgebra::SVector;
 
@@ -95,13 +94,6 @@ macro_rules! declare_nodes {
                 shaft_speed: f64 = Variable::fixed(4, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(10.0),
                 /// Initial angle of the output shaft
                 shaft_angle: f64 = Variable::fixed(5, 0.0, Unit::Radian, -1e9, 1e9).nominal(100.0),
-                /// Initial lagged driver of term 1 of resources/effects.json less its driver, divided by a typical value of the driver as
-                /// state.term_lag[1] is; without effect if the term has no lag
-                term_lag_1: f64 = Variable::fixed(16, 0.0, Unit::One, -1e6, 1e6),
-                /// Initial lagged driver of term 2 of resources/effects.json less its driver, as initial.term_lag_1
-                term_lag_2: f64 = Variable::fixed(17, 0.0, Unit::One, -1e6, 1e6),
-                /// Initial lagged driver of term 3 of resources/effects.json less its driver, as initial.term_lag_1
-                term_lag_3: f64 = Variable::fixed(18, 0.0, Unit::One, -1e6, 1e6),
             }
         }
 
@@ -132,15 +124,12 @@ nodes!(declare_nodes);
 /// Number of thermal nodes.
 pub const NODES: usize = INITIAL.len();
 const _: () = assert!(NODES <= MOST_NODES);
+// As in `HeatCapacities`.
+const _: () = assert!(WINDING == 0 && HOUSING == 1);
 /// Temperatures of the nodes, K.
 pub type Temperatures = SVector<f64, NODES>;
 
 impl Initial {
-    /// What the lagged driver of each term exceeds its driver by, divided by a typical value of the driver.
-    pub(super) fn term_lags(&self) -> [f64; MOST_TERMS] {
-        [self.term_lag_1, self.term_lag_2, self.term_lag_3]
-    }
-
     /// Initial values outside the limits of validity, in one sentence.
     pub(super) fn fault(&self, limits: &Limits) -> Option<String> {
         let nodes: [_; NODES] = std::array::from_fn(|k| (INITIAL[k], self.nodes()[k]));

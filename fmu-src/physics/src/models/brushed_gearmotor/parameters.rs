@@ -9,7 +9,7 @@ use crate::components::validity::{BrushedValidity, Limits};
 use crate::effects::{EffectPort, Effects};
 use crate::groups;
 use crate::model::Unserved;
-use crate::terms::{Driver, GenericTerm, Port};
+use crate::terms::{Driver, GenericTerm, LagStarts, Port};
 
 groups! {
     /// Parameters of the gearmotor and its modes of use.
@@ -27,6 +27,8 @@ groups! {
         validity: BrushedValidity = "validity." @ 650,
         /// Initial state.
         initial: Initial = "initial." @ 660,
+        /// Initial lags of terms.
+        lag_starts: LagStarts = "initial." @ 660,
         /// Effects, each off by default.
         effects: Effects,
     }

@@ -72,6 +72,13 @@ impl<const N: usize> Default for StepIntegrals<N> {
     }
 }
 
+impl<const N: usize> StepIntegrals<N> {
+    /// Those of current and speed, and of the temperatures of winding and housing, the first two nodes.
+    pub fn of_drivers(&self) -> [f64; 4] {
+        [self.fast[0], self.fast[1], self.temperature[0], self.temperature[1]]
+    }
+}
+
 impl<const N: usize> AddAssign for StepIntegrals<N> {
     fn add_assign(&mut self, before: Self) {
         self.fast += before.fast;

@@ -2,7 +2,7 @@
 //! fewer instructions. The results are equal bit for bit.
 
 use super::frozen::{Frozen, Matrices};
-use super::{FAST_FLOOR, Fast, Segment, Split, State, StepIntegrals, System, largest};
+use super::{FAST_FLOOR, Fast, HeatCapacities, Segment, Split, State, StepIntegrals, System, largest};
 use crate::solver::phi::{Forcing, product};
 use nalgebra::SVector;
 
@@ -98,7 +98,7 @@ impl<const N: usize> Split<N> {
         backup: &mut Option<Matrices<N>>,
         iterate: impl Fn(&Self, &mut State<N, E>, (&S::Instant, &Fast), Guess<N>) -> Iteration<N>,
     ) -> f64 {
-        let scale = self.ease * self.scale;
+        let scale = self.ease[0] * self.scale;
         let start = system.instant(t, &state.x, &state.temperature);
         let slope0 = system.fast_rates_at(t, &state.x, &state.temperature, &start);
         self.frozen.renew(system, (t, h), (&state.x, &slope0, &state.temperature, &start), scale, backup);
@@ -128,7 +128,7 @@ impl<const N: usize> Split<N> {
         let (x0, temp0) = (state.x, state.temperature);
         let Frozen { fast, squares, thermal, .. } = &self.frozen;
         let (a, m) = (fast.matrix(), thermal.matrix());
-        let (capacity, per_joule) = (system.capacity(), system.inverse_capacity());
+        let HeatCapacities { values: capacity, inverse: per_joule } = system.capacity();
 
         let [per_tolerance, per_stage, per_line] =
             self.per_tolerance[usize::from(system.bends_where_stiff())];

@@ -1,5 +1,6 @@
 //! Interface of a model to the split integrator.
 
+use super::HeatCapacities;
 use crate::line::Line;
 use crate::solver::phi::product;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
@@ -63,10 +64,8 @@ pub trait System<const N: usize>: Sized {
     }
     /// Their Jacobian, 1/s.
     fn network_matrix(&self, t: f64, temperature: &SVector<f64, N>) -> SMatrix<f64, N, N>;
-    /// Heat capacities of the nodes, J/K.
-    fn capacity(&self) -> &SVector<f64, N>;
-    /// Their reciprocals, K/J.
-    fn inverse_capacity(&self) -> &SVector<f64, N>;
+    /// Heat capacities of the nodes.
+    fn capacity(&self) -> &HeatCapacities<N>;
     /// Heat generated in each node, W, with the intermediate results of the instant.
     fn heat_rates_at(
         &self,

@@ -1,12 +1,12 @@
 //! Quantities that follow from the parameters alone.
 
 use super::drive::Chopper;
-use super::{DriveMode, Inputs, MechanicalMode, Temperatures};
+use super::{DriveMode, Inputs, MechanicalMode, NODES, Temperatures};
 use crate::components::validity::Limits;
 use crate::effects::{Acts, EffectPort};
 use crate::models::annulus_cooled_motor::network::Body;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
-use crate::terms::Driver;
+use crate::solver::split::HeatCapacities;
 
 /// Ports, besides the drag torque, that are evaluated at every stage of a step.
 const BRANCHES: [EffectPort; 13] = [
@@ -32,10 +32,8 @@ pub struct Constants {
     pub(super) inverse_l: f64,
     /// 1/J if the shaft is free, 0 if its speed is imposed.
     pub(super) inverse_j: f64,
-    /// Heat capacities of the nodes, J/K.
-    pub(super) capacity: Temperatures,
-    /// Their reciprocals, K/J.
-    pub(super) inverse_capacity: Temperatures,
+    /// Heat capacities of the nodes.
+    pub(in super::super) capacity: HeatCapacities<NODES>,
     /// Conductance from winding to housing, W/K.
     pub(super) across: f64,
     /// Drift of the true ambient temperature from the indicated one, K/s.
@@ -44,8 +42,6 @@ pub struct Constants {
     pub(super) lost: f64,
     /// Fraction of electrical_power that heats the stator.
     pub(super) in_stator: f64,
-    /// Whether an effect depends on drivers that follow the states and are constant over a step.
-    pub(in super::super) holds_states: bool,
     /// Whether effects have time events.
     pub(in super::super) eventful: bool,
     /// Ratio of the torque constant to its data sheet value, by the commutation.
@@ -64,20 +60,6 @@ pub struct Constants {
     plain: bool,
     /// Limits of validity.
     pub(super) limits: Limits,
-}
-
-fn holds_states(Parameters { effects, choices, .. }: &Parameters) -> bool {
-    let follows_states = |driver: &Driver| match driver {
-        Driver::Speed => choices.mechanical_mode == MechanicalMode::FreeShaft,
-        Driver::Current => choices.drive_mode != DriveMode::Current,
-        Driver::LoadTorque => choices.mechanical_mode == MechanicalMode::ImposedSpeed,
-        Driver::WindingTemperature
-        | Driver::HousingTemperature
-        | Driver::CopperLoss
-        | Driver::FrictionLoss => true,
-        Driver::AmbientTemperature | Driver::FanCommand | Driver::Time => false,
-    };
-    Driver::ALL.iter().any(|driver| follows_states(driver) && effects.holds(*driver))
 }
 
 impl Constants {
@@ -101,13 +83,11 @@ impl Constants {
         Constants {
             inverse_l: if voltage_driven { 1.0 / parameters.motor.L } else { 0.0 },
             inverse_j: if free { 1.0 / parameters.motor.J } else { 0.0 },
-            capacity,
-            inverse_capacity: capacity.map(|c| 1.0 / c),
+            capacity: HeatCapacities::new(capacity),
             across: parameters.thermal.winding_to_housing(1.0, 0.0),
             drift: parameters.effects.ambient_sensor(),
             lost,
             in_stator: (1.0 - lost) * parameters.effects.stator_loss(),
-            holds_states: holds_states(parameters),
             eventful: parameters.effects.next_event(f64::NEG_INFINITY).is_finite(),
             torque_factor: parameters.choices.commutation.torque_factor(),
             chops,
@@ -121,15 +101,8 @@ impl Constants {
     }
 
     /// The same with all heat capacities multiplied by `factor`.
-    pub fn with_capacity(mut self, factor: f64) -> Constants {
-        self.capacity *= factor;
-        self.inverse_capacity /= factor;
-        self
-    }
-
-    /// Heat stored in the nodes above the temperature `origin`, K, in J.
-    pub fn heat(&self, temperature: &Temperatures, origin: f64) -> f64 {
-        self.capacity.dot(&temperature.add_scalar(-origin))
+    pub fn with_capacity(self, factor: f64) -> Constants {
+        Constants { capacity: self.capacity.scaled(factor), ..self }
     }
 
     /// Limits of validity.
@@ -143,11 +116,6 @@ impl Constants {
     #[inline]
     pub(in super::super) fn are_plain(&self, slopes: &Inputs) -> bool {
         self.plain && slopes.fan_command == 0.0 && slopes.duty * slopes.voltage == 0.0
-    }
-
-    /// Whether current or speed is a state.
-    pub(in super::super) fn has_fast_states(&self) -> bool {
-        self.inverse_l != 0.0 || self.inverse_j != 0.0
     }
 
     /// Drift of the true ambient temperature from the indicated one, K/s.

@@ -14,7 +14,7 @@ impl<const FORM: u8> Step<'_, FORM> {
     /// Stored energy, J: magnetic and kinetic unless imposed, and heat above the temperature `origin`, K.
     pub fn stored(&self, state: &State<NODES>, origin: f64) -> f64 {
         let (i, w) = (state.x[0], state.x[1]);
-        self.magnetic(i) + self.kinetic(w) + self.constants.heat(&state.temperature, origin)
+        self.magnetic(i) + self.kinetic(w) + self.constants.capacity.heat(&state.temperature, origin)
     }
 
     pub(super) fn magnetic(&self, i: f64) -> f64 {
@@ -119,7 +119,7 @@ impl<const FORM: u8> Step<'_, FORM> {
         let (x, temperature) = (&state.x, &state.temperature);
         let w = x[1];
         let mut p = self.point(0.0, x, temperature);
-        let capacity = self.capacity();
+        let capacity = self.capacity().values;
         let (cooling, heat_to_ambient, error) = match network {
             Some(network) => self.network_books(state, network, p.drive, &mut p.ledger),
             None => {

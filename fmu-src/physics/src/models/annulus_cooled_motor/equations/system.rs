@@ -4,7 +4,7 @@ use super::{CORE, NODES, Step, Temperatures, WINDING};
 use crate::effects::EffectPort;
 use crate::line::Line;
 use crate::solver::phi::product;
-use crate::solver::split::{Fast, Segment, System, Work};
+use crate::solver::split::{Fast, HeatCapacities, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 
 /// Quantities at one instant of a step that several integrals use.
@@ -84,7 +84,7 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
         let across = conducts * (temperature[WINDING] - temperature[CORE]);
         let leaving = self.leaving(t, temperature);
         let gain = Temperatures::new(-across - leaving.winding, across - leaving.housing);
-        (gain.component_mul(&self.constants.inverse_capacity), leaving.winding + leaving.housing)
+        (gain.component_mul(&self.constants.capacity.inverse), leaving.winding + leaving.housing)
     }
 
     const IS_NETWORK_LINEAR: bool = Self::PLAIN;
@@ -106,7 +106,7 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
             conductance.winding * Self::at(&self.coupling.winding, t),
             conductance.housing * Self::at(&self.coupling.core, t),
         );
-        (entering.component_mul(&self.constants.inverse_capacity), -entering.sum())
+        (entering.component_mul(&self.constants.capacity.inverse), -entering.sum())
     }
 
     #[inline(always)]
@@ -131,13 +131,8 @@ impl<const FORM: u8> System<NODES> for Step<'_, FORM> {
     }
 
     #[inline]
-    fn capacity(&self) -> &Temperatures {
+    fn capacity(&self) -> &HeatCapacities<NODES> {
         &self.constants.capacity
-    }
-
-    #[inline]
-    fn inverse_capacity(&self) -> &Temperatures {
-        &self.constants.inverse_capacity
     }
 
     #[inline(always)]
@@ -272,7 +267,7 @@ impl<const FORM: u8> Step<'_, FORM> {
         from_winding: f64,
         from_core: f64,
     ) -> SMatrix<f64, NODES, NODES> {
-        let per_joule = self.constants.inverse_capacity;
+        let per_joule = self.constants.capacity.inverse;
         Matrix2::new(
             (-hot - from_winding) * per_joule[WINDING],
             cold * per_joule[WINDING],

@@ -25,7 +25,7 @@ impl Step<'_> {
         let (i, w) = (x[0], x[1]);
         let t_w = temperature[WINDING];
         let p = self.point(0.0, x, temperature);
-        let capacity = self.capacity();
+        let capacity = self.capacity().values;
         let shaft_torque = self.load.at(0.0);
         let outside =
             [(Terminals, -p.supply_power), (AirGap, 0.0), (Shaft, shaft_torque * w), (Ambient, p.to_ambient)];

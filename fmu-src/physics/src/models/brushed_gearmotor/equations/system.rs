@@ -4,7 +4,7 @@ use super::Step;
 use super::driven::Followed;
 use crate::components::chopper::Cycle;
 use crate::models::brushed_gearmotor::nodes::{GEAR, Losses, NODES, Path, Temperatures};
-use crate::solver::split::{Fast, Segment, System, Work};
+use crate::solver::split::{Fast, HeatCapacities, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 use num_dual::Dual64;
 
@@ -83,7 +83,7 @@ impl System<NODES> for Step<'_> {
                 None => to_ambient += path.flow,
             }
         }
-        (gain.component_mul(&self.constants.inverse_capacity), to_ambient)
+        (gain.component_mul(&self.constants.capacity.inverse), to_ambient)
     }
 
     #[inline]
@@ -97,20 +97,15 @@ impl System<NODES> for Step<'_> {
                 gain[(node, node)] -= falls;
             }
         }
-        for (mut row, c) in gain.row_iter_mut().zip(self.constants.inverse_capacity.iter()) {
+        for (mut row, c) in gain.row_iter_mut().zip(self.constants.capacity.inverse.iter()) {
             row *= *c;
         }
         gain
     }
 
     #[inline]
-    fn capacity(&self) -> &Temperatures {
+    fn capacity(&self) -> &HeatCapacities<NODES> {
         &self.constants.capacity
-    }
-
-    #[inline]
-    fn inverse_capacity(&self) -> &Temperatures {
-        &self.constants.inverse_capacity
     }
 
     #[inline]
