@@ -69,7 +69,8 @@ pub struct Slopes {
     leads: Vec<(usize, Option<(usize, usize)>)>,
     /// The runs in which a parameter acts; `None` for all runs.
     acts: Vec<Option<Vec<usize>>>,
-    runs: Vec<usize>,
+    /// The runs.
+    pub runs: Vec<usize>,
 }
 
 impl Slopes {
