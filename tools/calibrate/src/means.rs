@@ -8,7 +8,7 @@
 use crate::experiment::{Experiment, Run};
 use crate::levels::{CERTAIN, NEGLIGIBLE, SMALL, STRUCTURE};
 use crate::noise;
-use crate::numbers::{median, range};
+use crate::numbers::{interval, range};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -45,8 +45,7 @@ impl Experiment {
         let noise = |k: usize| noise::of_runs(self, k, self.inputs[k]).unwrap_or(0.0);
         let reversing: Vec<(usize, f64)> = self.loads().map(|k| (k, CERTAIN * noise(k))).collect();
         let (mut means, lengths) = self.with_means(&reversing, |run| {
-            let interval = median(run.table.time.windows(2).map(|pair| pair[1] - pair[0]));
-            let length = (all / MEANS / interval).round().max(1.0) as usize;
+            let length = (all / MEANS / interval([&run.table.time[..]])).round().max(1.0) as usize;
             let loss = NEGLIGIBLE * STRUCTURE;
             pieces(run, &steps).map(|pieces| Division { length, pieces, loss })
         });

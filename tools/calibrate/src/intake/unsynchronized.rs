@@ -16,12 +16,13 @@
 use super::clocks::LEAST;
 use super::filtered::{self, Place};
 use super::response::{CLEAR, ENOUGH};
-use super::{Predicted, Unusable, all_runs, median, predicted};
+use super::{Predicted, Unusable, all_runs, predicted};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::Experiment;
 use crate::levels::{FACTOR, PART, SURE};
 use crate::noise;
+use crate::numbers::interval;
 use crate::report::count_of;
 use nalgebra::{DMatrix, DVector};
 
@@ -185,7 +186,7 @@ impl Readings {
 
     /// Usual interval between the rows, s.
     pub(super) fn step(&self) -> f64 {
-        median(self.time.windows(2).map(|w| w[1] - w[0]))
+        interval([&self.time[..]])
     }
 
     /// Mean square of what q leaves.
