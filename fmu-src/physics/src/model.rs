@@ -253,6 +253,11 @@ impl Entry {
             && (shown || matches!(self.row.causality, Causality::Input | Causality::Output))
     }
 
+    /// Whether it is a limit of the range in which the equations hold, where a run ends.
+    pub fn is_limit_of_validity(&self) -> bool {
+        self.name.starts_with("validity.")
+    }
+
     /// Whether it can be set: an input or a parameter.
     pub fn is_settable(&self) -> bool {
         matches!(self.row.causality, Causality::Input | Causality::Parameter)

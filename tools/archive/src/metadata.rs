@@ -15,8 +15,6 @@ const NAMESPACES: [(&str, &str); 2] = [
     ("xmlns:srmd", "http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData"),
     ("xmlns:stc", "http://ssp-standard.org/SSPTraceability1/SSPTraceabilityCommon"),
 ];
-/// How the names of variables begin that limit the range in which the equations hold, and the rated limit.
-const LIMITS: [&str; 2] = ["validity.", "thermal.T_w_max"];
 
 /// Keywords with their values.
 struct Classification {
@@ -100,10 +98,10 @@ fn start_values(native: &Native<'_>, made_of: MadeOf<'_>) -> Vec<(String, String
     given.map(entry).collect()
 }
 
-/// The limits of the range in which the equations hold.
+/// The limits of the range in which the equations hold, and the rated one.
 fn limits(native: &Native<'_>) -> Vec<(String, String)> {
     let entries = (native.kind.declaration)().entries.iter();
-    let own = entries.filter(|entry| LIMITS.iter().any(|start| entry.name.starts_with(start)));
+    let own = entries.filter(|entry| entry.is_limit_of_validity() || entry.name == "thermal.T_w_max");
     own.map(|entry| (entry.name.clone(), format!("{}; {}", value(native, entry), entry.row.doc.trim())))
         .collect()
 }

@@ -69,7 +69,8 @@ pub struct Slopes {
     leads: Vec<(usize, Option<(usize, usize)>)>,
     /// The runs in which a parameter acts; `None` for all runs.
     acts: Vec<Option<Vec<usize>>>,
-    runs: Vec<usize>,
+    /// The runs.
+    pub runs: Vec<usize>,
 }
 
 impl Slopes {
@@ -192,7 +193,8 @@ impl Setup<'_> {
     /// The model's error if it cannot be simulated.
     pub fn judged(&self, hypothesis: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
         let shown = self.show(&hypothesis, runs)?;
-        let (chi_square, readings) = self.chi_square(runs, &shown);
+        let chi_square = self.chi_squares(runs, &shown).iter().sum::<f64>();
+        let readings = runs.iter().flat_map(|run| self.blocks[*run].iter()).map(|b| b.rows.len()).sum();
         let prior: f64 = self
             .declared
             .iter()

@@ -48,7 +48,7 @@ impl Setup<'_> {
     ) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
         let left = self.lower_noise(hypothesis, runs)?;
-        let slopes = self.input_sensitivities(hypothesis, runs)?;
+        let mut slopes = self.input_sensitivities(hypothesis, runs)?;
         let slow = |input: &usize| {
             let (direct, whole) = self.variances(&slopes, |k| k == *input);
             (0..m).any(|k| whole[k] - direct[k] > (NEGLIGIBLE * self.sigma(k)).powi(2))
@@ -56,24 +56,34 @@ impl Setup<'_> {
         let remembered = (0..inputs).filter(slow).collect();
         let (direct, _) = self.variances(&slopes, |_| true);
         let known: Vec<f64> = (0..m).map(|output| self.sigma(output)).collect();
-        self.weigh(&slopes, &direct, hypothesis, runs)?;
         self.remembered = remembered;
-        self.reached = Arc::new(slopes.tangents.into_iter().flat_map(|t| t.drivers).collect());
+        self.reached = Arc::new(slopes.tangents.iter().flat_map(|t| t.drivers.iter().copied()).collect());
+        self.weigh(&mut slopes, &direct, hypothesis)?;
         for (output, direct) in direct.into_iter().enumerate() {
             self.noise[inputs + output] = self.sigma(output).hypot(direct.sqrt());
             self.lower(output, left[output]);
         }
-        self.correct_inputs(hypothesis, &known)
+        self.correct_inputs(&mut slopes, &known, hypothesis)
     }
 
-    /// Weighs the readings of these runs and of the validation runs by the noise that inputs cause in their rows, where rows differ in it.
-    /// `means` are the means of their variances.
+    /// Adds the validation runs to linearised runs, unless they are there.
+    fn linearise_validation(
+        &self,
+        slopes: &mut Slopes,
+        hypothesis: &Hypothesis,
+    ) -> Result<(), CalibrateError> {
+        let others = self.runs(Role::Validate).into_iter().filter(|run| !slopes.runs.contains(run));
+        slopes.extend(self.input_sensitivities(hypothesis, &others.collect::<Vec<_>>())?);
+        Ok(())
+    }
+
+    /// Weighs the readings of linearised runs and of the validation runs by the noise that inputs cause in their rows, where rows differ in
+    /// it. `means` are the means of their variances.
     fn weigh(
         &mut self,
-        slopes: &Slopes,
+        slopes: &mut Slopes,
         means: &[f64],
         hypothesis: &Hypothesis,
-        runs: &[usize],
     ) -> Result<(), CalibrateError> {
         let m = self.outputs();
         let own = self.direct_variances(slopes);
@@ -98,14 +108,9 @@ impl Setup<'_> {
             };
             variances.iter().enumerate().map(of).collect()
         };
+        self.linearise_validation(slopes, hypothesis)?;
         let mut weights = vec![Vec::new(); self.experiment.runs.len()];
-        for (run, variances) in runs.iter().zip(&own) {
-            weights[*run] = of_run(variances);
-        }
-        let others: Vec<usize> =
-            self.runs(Role::Validate).into_iter().filter(|run| !runs.contains(run)).collect();
-        let further = self.direct_variances(&self.input_sensitivities(hypothesis, &others)?);
-        for (run, variances) in others.iter().zip(&further) {
+        for (run, variances) in slopes.runs.iter().zip(&self.direct_variances(slopes)) {
             weights[*run] = of_run(variances);
         }
         self.weights = Arc::new(weights);
@@ -131,8 +136,13 @@ impl Setup<'_> {
         known.filter_map(|(_, (direction, sigma))| Some((direction.as_ref()?, *sigma))).collect()
     }
 
-    /// Eq. (2) for the fit and validation runs; `known` are the deviations of the sensors of the outputs.
-    fn correct_inputs(&mut self, hypothesis: &Hypothesis, known: &[f64]) -> Result<(), CalibrateError> {
+    /// Eq. (2) for linearised runs and the validation runs; `known` are the deviations of the sensors of the outputs.
+    fn correct_inputs(
+        &mut self,
+        slopes: &mut Slopes,
+        known: &[f64],
+        hypothesis: &Hypothesis,
+    ) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
         // The zero of a temperature means nothing.
         let better = |k: &usize| {
@@ -142,11 +152,10 @@ impl Setup<'_> {
         let Some(output) = (0..m).filter(better).max_by(|a, b| ratio(a).total_cmp(&ratio(b))) else {
             return Ok(());
         };
-        let runs = [self.runs(Role::Fit), self.runs(Role::Validate)].concat();
-        let slopes = self.input_sensitivities(hypothesis, &runs)?;
-        let shown = self.exact().show(hypothesis, &runs)?;
+        self.linearise_validation(slopes, hypothesis)?;
+        let shown = self.exact().show(hypothesis, &slopes.runs)?;
         let mut smooth = Vec::clone(&self.smooth);
-        for (r, run) in runs.iter().enumerate() {
+        for (r, run) in slopes.runs.iter().enumerate() {
             let table = &self.experiment.runs[*run].table;
             let read = &table.columns[inputs + output];
             let mut left = vec![f64::NAN; table.time.len()];

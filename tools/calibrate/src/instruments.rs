@@ -44,7 +44,10 @@ pub fn greatest(squares: &[f64]) -> f64 {
 pub fn explain_rest(setup: &Setup, fitted: &Fitted, roles: &[Role]) -> Result<bool, CalibrateError> {
     for role in roles {
         let runs = setup.runs(*role);
-        let shown = setup.show(&fitted.hypothesis, &runs)?;
+        let shown = match role {
+            Role::Fit => fitted.shown.clone(),
+            _ => setup.show(&fitted.hypothesis, &runs)?,
+        };
         if greatest(&relative(setup, &runs, beyond_noise(setup, &runs, &shown))) >= 1.0 {
             return Ok(false);
         }

@@ -8,7 +8,7 @@
 use crate::experiment::{Experiment, Run};
 use crate::levels::{CERTAIN, NEGLIGIBLE, SMALL, STRUCTURE};
 use crate::noise;
-use crate::numbers::{median, range};
+use crate::numbers::{interval, range};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -29,8 +29,6 @@ pub struct Division {
     pub pieces: Vec<Range<usize>>,
     /// What the mean square of a load may lose, relative to its greatest in a run.
     pub loss: f64,
-    /// Whether outputs have readings where a load changes its sign within a block.
-    pub keeps_reversals: bool,
 }
 
 impl Experiment {
@@ -44,11 +42,12 @@ impl Experiment {
         let all = self.runs.iter().map(|run| run.table.span()).sum::<f64>();
         let span = |k: usize| range(self.runs.iter().flat_map(|run| run.table.columns[k].iter().copied()));
         let steps: Vec<(usize, f64)> = self.loads().map(|k| (k, SMALL * span(k))).collect();
-        let (mut means, lengths) = self.with_means(|run| {
-            let interval = median(run.table.time.windows(2).map(|pair| pair[1] - pair[0]));
-            let length = (all / MEANS / interval).round().max(1.0) as usize;
+        let noise = |k: usize| noise::of_runs(self, k, self.inputs[k]).unwrap_or(0.0);
+        let reversing: Vec<(usize, f64)> = self.loads().map(|k| (k, CERTAIN * noise(k))).collect();
+        let (mut means, lengths) = self.with_means(&reversing, |run| {
+            let length = (all / MEANS / interval([&run.table.time[..]])).round().max(1.0) as usize;
             let loss = NEGLIGIBLE * STRUCTURE;
-            pieces(run, &steps).map(|pieces| Division { length, pieces, loss, keeps_reversals: false })
+            pieces(run, &steps).map(|pieces| Division { length, pieces, loss })
         });
         let (least, most) = (*lengths.iter().min()?, *lengths.iter().max()?);
         if most == 1 {
@@ -83,17 +82,18 @@ impl Experiment {
     }
 
     /// The experiment with means over blocks of rows, and the length of the blocks of each run after shortening; `None` keeps the rows of a
-    /// run. Outputs have a blank in blocks of less than half the length, whose noise is not that of the others.
-    pub fn with_means(&self, division: impl Fn(&Run) -> Option<Division>) -> (Experiment, Vec<usize>) {
+    /// run. Outputs have a blank in blocks of less than half the length, whose noise is not that of the others, and in those in which one of
+    /// the `reversing` loads changes its sign, each with the least value that is not zero.
+    pub fn with_means(
+        &self,
+        reversing: &[(usize, f64)],
+        division: impl Fn(&Run) -> Option<Division>,
+    ) -> (Experiment, Vec<usize>) {
         let greatest = |k: usize| self.runs.iter().map(|r| square(&r.table.columns[k])).fold(0.0, f64::max);
         let squares: Vec<(usize, f64)> = self.loads().map(|k| (k, greatest(k))).collect();
-        let noise = |k: usize| noise::of_runs(self, k, self.inputs[k]).unwrap_or(0.0);
-        let still: Vec<(usize, f64)> = self.loads().map(|k| (k, CERTAIN * noise(k))).collect();
         let mut means = self.clone();
         let average = |run: &mut Run| {
-            let Some(Division { mut length, pieces, loss, keeps_reversals }) = division(run) else {
-                return 1;
-            };
+            let Some(Division { mut length, pieces, loss }) = division(run) else { return 1 };
             let blocks = |length: usize| -> Vec<Range<usize>> {
                 let of = |rows: &Range<usize>| {
                     let end = rows.end;
@@ -114,7 +114,7 @@ impl Experiment {
             let (blocks, table) = (blocks(length), &mut run.table);
             let turned: Vec<usize> = (0..blocks.len())
                 .filter(|n| {
-                    still.iter().any(|(k, least)| turns(&table.columns[*k][blocks[*n].clone()], *least))
+                    reversing.iter().any(|(k, least)| turns(&table.columns[*k][blocks[*n].clone()], *least))
                 })
                 .collect();
             table.columns = table.columns.iter().map(|column| of_blocks(column, &blocks)).collect();
@@ -127,7 +127,7 @@ impl Experiment {
                     column.iter_mut().zip(&blocks).skip(1).filter(|(_, rows)| 2 * rows.len() < length);
                 short.for_each(|(reading, _)| *reading = f64::NAN);
                 // Where loads alternate, hardly a block is left.
-                if !keeps_reversals && (turned.len() as f64) < SMALL * blocks.len() as f64 {
+                if (turned.len() as f64) < SMALL * blocks.len() as f64 {
                     turned.iter().for_each(|n| column[*n] = f64::NAN);
                 }
             }

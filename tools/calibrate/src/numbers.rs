@@ -24,6 +24,11 @@ pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
+/// Usual interval between rows, of all these times together: the median.
+pub fn interval<'a>(times: impl IntoIterator<Item = &'a [f64]>) -> f64 {
+    median(times.into_iter().flat_map(|time| time.windows(2).map(|pair| pair[1] - pair[0])))
+}
+
 /// Linear interpolation, constant outside the points.
 pub fn between(x: &[f64], y: &[f64], at: f64) -> f64 {
     let k = x.partition_point(|v| *v <= at);

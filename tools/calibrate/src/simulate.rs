@@ -49,8 +49,7 @@ pub struct Drive {
     pub others: Vec<Column>,
 }
 
-/// Parameters with limits that end a run; the lowest temperature is a lower limit.
-const VALIDITY: &str = "validity.";
+/// The lower one of the limits that end a run.
 const LOWEST: &str = "validity.lowest_temperature";
 /// Rows between checks of the deadline. Numerical: a check costs less than a row.
 const ROWS_A_LOOK: usize = 16;
@@ -85,7 +84,7 @@ impl Bench {
         starts.extend(narrow.into_iter().flat_map(|w| others.iter().map(move |slot| (*slot, w))));
         let mut template = (kind.new)();
         template.set_all(&starts);
-        let limits = declaration.entries.iter().filter(|e| e.name.starts_with(VALIDITY));
+        let limits = declaration.entries.iter().filter(|e| e.is_limit_of_validity());
         let widest = limits.map(|e| (e.slot, if e.name == LOWEST { e.row.min } else { e.row.max })).collect();
         let of = |channels: &[&'static Channel], role: fn(&Channel) -> Option<&'static str>| {
             channels.iter().filter_map(|c| role(c)).map(slot).collect::<Result<Vec<_>, _>>()

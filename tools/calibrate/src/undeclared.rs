@@ -31,7 +31,7 @@ use crate::parallel;
 use crate::search::Scored;
 use crate::selection::{Known, LEAST, compete};
 use crate::setup::{Declared, Setup};
-use physics::declare::{Causality, Kind};
+use physics::declare::{Causality, Kind, Unit, Variable};
 use physics::model::Entry;
 
 /// Change of s for the difference in (1). Numerical: the error of the sensitivity is 1 %.
@@ -45,8 +45,6 @@ const FITTED: usize = 2;
 pub const DEVIATION: f64 = 1.0;
 /// Group of the start values.
 const START_VALUES: &str = "initial.";
-/// Reference temperatures: definitions of other values, and no unknowns.
-const REFERENCE: &str = ".T_ref";
 
 /// Whether the preset has a value other than 0 for it.
 pub fn is_stated(parameter: &Declared) -> bool {
@@ -147,7 +145,7 @@ pub fn better_than_effects<'a>(
     }
     let runs = setup.runs(Role::Validate);
     let error = |setup: &Setup, fitted: &Fitted| -> Result<f64, CalibrateError> {
-        Ok(setup.chi_square(&runs, &setup.show(&fitted.hypothesis, &runs)?).0)
+        Ok(setup.chi_squares(&runs, &setup.show(&fitted.hypothesis, &runs)?).iter().sum())
     };
     let is_better = runs.is_empty() || error(&own.setup, &own.fitted)? < error(setup, &point.fitted)?;
     Ok(is_better.then_some(own))
@@ -169,12 +167,14 @@ pub fn in_place_of_effects<'a>(point: &Linearization<'a>) -> Result<Option<Relea
 
 /// Every parameter of the model that has a value in the preset and that the experiment does not mention.
 fn candidates(setup: &Setup) -> Vec<Declared> {
+    // Reference temperatures are definitions of other values, and no unknowns; limits of temperatures change no output.
+    let is_temperature = |row: &Variable| row.unit == Unit::Kelvin && !row.relative;
     let is_open = |entry: &&Entry| {
         entry.row.causality == Causality::Parameter
             && matches!(entry.row.kind, Kind::Real)
             && (setup.bench.start_of(entry.slot) != 0.0 || !is_of_an_effect(&entry.name))
             && !entry.name.starts_with(START_VALUES)
-            && !entry.name.ends_with(REFERENCE)
+            && !is_temperature(entry.row)
             && !shapes_an_effect(&entry.name)
             && !setup.declared.iter().any(|d| d.slot == entry.slot)
             && !setup.kept.contains(&entry.name)

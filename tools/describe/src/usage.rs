@@ -48,14 +48,12 @@ const ROUNDING: f64 = 1e-9;
 /// Ratios of derivatives that agree within this are equal.
 const SAME_RATIO: f64 = 1e-6;
 
-/// Limits of validity end a run in every mode, and have no effect before.
-const LIMITS: &str = "validity.";
-
 /// The variables among `candidates` that have no effect on the model with the values set on it, which has not started.
 pub fn unused(model: &dyn Model, candidates: &[&'static Entry], scope: Scope) -> Vec<Unused> {
     let points = Points::of(model, scope);
-    let is_limit = |entry: &Entry| entry.name.starts_with(LIMITS);
-    let ineffective = candidates.iter().filter(|entry| !is_limit(entry) && !points.moved_by(entry));
+    // Limits of validity end a run in every mode, and have no effect before.
+    let ineffective =
+        candidates.iter().filter(|entry| !entry.is_limit_of_validity() && !points.moved_by(entry));
     let found: Vec<&'static Entry> = ineffective.copied().collect();
     let mut other_modes = None;
     found

@@ -301,16 +301,7 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
 
     /// Present input of each term's lag; 0 without a lag.
     fn lag_sources(&self) -> [f64; MOST_TERMS] {
-        self.sources_of(self.drivers_after(self.time, 0.0), || M::heat_flows(self))
-    }
-
-    /// Input of each term's lag with these drivers; the heat flows are evaluated only for a lag that needs them.
-    fn sources_of(&self, mut drivers: Drivers, heat_flows: impl FnOnce() -> [f64; 2]) -> [f64; MOST_TERMS] {
-        let lags = self.lags_of_terms();
-        if lags.iter().flatten().any(|lag| lag.driver.is_heat()) {
-            [drivers.copper_loss, drivers.friction_loss] = heat_flows();
-        }
-        lags.map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
+        sources_of(&self.lags_of_terms(), self.drivers_after(self.time, 0.0), || M::heat_flows(self))
     }
 
     /// Initialises each lag at the value of its driver and what `initial.term_lag_*` add to it.
@@ -338,10 +329,10 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
     fn follow_lags(&mut self, start: &LagStart<M, N>, h: f64) {
         let at = M::middle(self, &start.at, h);
         let time = self.time - 0.5 * h;
-        let drivers = M::drivers_of(self, time, &start.middle, &at);
-        let heat_flows = self.heat_flows_at(time, start.middle, at);
-        let (middle, after) = (self.sources_of(drivers, || heat_flows), self.lag_sources());
-        for (k, lag) in self.lags_of_terms().iter().enumerate() {
+        let (lags, drivers) = (self.lags_of_terms(), M::drivers_of(self, time, &start.middle, &at));
+        let middle = sources_of(&lags, drivers, || self.heat_flows_at(time, start.middle, at));
+        let after = self.lag_sources();
+        for (k, lag) in lags.iter().enumerate() {
             if let Some(lag) = lag {
                 let source = [start.sources[k], middle[k], after[k]];
                 let terms = self.own.terms_mut();
@@ -352,11 +343,8 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         }
     }
 
-    /// Heat flows at another time with other inputs and states; zero if no lag follows any.
+    /// Heat flows at another time with other inputs and states.
     fn heat_flows_at(&mut self, time: f64, inputs: M::Inputs, at: M::Instant) -> [f64; 2] {
-        if !self.lags_of_terms().iter().flatten().any(|lag| lag.driver.is_heat()) {
-            return [0.0; 2];
-        }
         let present = (self.time, self.inputs, M::instant(self));
         (self.time, self.inputs) = (time, inputs);
         M::put_instant(self, at);
@@ -392,10 +380,22 @@ impl<M: Driven<N>, const N: usize> Runtime<M, N> {
         if !M::effects(&self.parameters).has_lags() {
             return [0.0; MOST_TERMS];
         }
-        let sources = self.sources_of(self.drivers_after(self.time, 0.0), heat_flows);
         let (lags, now) = (self.lags_of_terms(), self.own.terms().lags);
+        let sources = sources_of(&lags, self.drivers_after(self.time, 0.0), heat_flows);
         std::array::from_fn(|k| {
             lags[k].map_or(0.0, |lag| (sources[k] - now[k]) / (lag.tau * lag.driver.nominal()))
         })
     }
+}
+
+/// Input of each term's lag with these drivers; the heat flows are evaluated only for a lag that needs them.
+fn sources_of(
+    lags: &[Option<Lag>; MOST_TERMS],
+    mut drivers: Drivers,
+    heat_flows: impl FnOnce() -> [f64; 2],
+) -> [f64; MOST_TERMS] {
+    if lags.iter().flatten().any(|lag| lag.driver.is_heat()) {
+        [drivers.copper_loss, drivers.friction_loss] = heat_flows();
+    }
+    lags.map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
 }

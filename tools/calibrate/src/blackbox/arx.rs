@@ -10,7 +10,7 @@ use super::{Candidate, Series};
 use crate::comparison::digits;
 use crate::deadline::Deadline;
 use crate::experiment::Role;
-use crate::numbers::between;
+use crate::numbers::{between, interval};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Orders n. Definition: of the black box; up to one more than the nodes of the motor.
@@ -58,10 +58,8 @@ fn candidate(
     order: usize,
     rows: usize,
 ) -> Option<Candidate> {
-    let fit = || all.iter().filter(|s| s.role == Role::Fit);
-    let mut steps: Vec<f64> = fit().flat_map(|s| s.time.windows(2).map(|w| w[1] - w[0])).collect();
-    steps.sort_by(f64::total_cmp);
-    let length = steps.get(steps.len() / 2)? * rows as f64;
+    let step = interval(all.iter().filter(|s| s.role == Role::Fit).map(|s| &s.time[..]));
+    let length = Some(step).filter(|step| step.is_finite())? * rows as f64;
     let cells: Vec<Cells> = all.iter().map(|run| cut(run, output, is_temperature, order, length)).collect();
     if rows > 1 && cells.iter().any(|c| c.time.len() < FEWEST) {
         return None;

@@ -32,7 +32,7 @@ use super::median;
 use crate::experiment::{Experiment, Run, Start, Table};
 use crate::levels::{CERTAIN, NEARLY, SMALL};
 use crate::noise;
-use crate::numbers::between;
+use crate::numbers::{between, interval};
 use crate::report::count_of;
 use physics::declare::Unit;
 
@@ -80,8 +80,7 @@ pub fn reconstruct(experiment: &mut Experiment) {
     let from_rest = |run: &Run| {
         let mut table = run.table.clone();
         if run.start == Start::Ambient {
-            let interval = median(intervals(&table));
-            from_rest(&mut table, &is_load, interval);
+            from_rest(&mut table, &is_load, interval([&run.table.time[..]]));
         }
         table
     };
@@ -119,12 +118,12 @@ pub fn reconstruct(experiment: &mut Experiment) {
         let own: Vec<&Step> = own.filter(|step| step.column == *column).collect();
         let shown: Vec<f64> = own.iter().filter_map(|step| step.duration).collect();
         let part = shown.len() as f64 / own.len().max(1) as f64;
-        let interval = median(tables.iter().flat_map(intervals));
+        let interval = interval(tables.iter().map(|table| &table.time[..]));
         (*column, if part > 0.0 { median(shown.into_iter()).min(part * interval) } else { 0.0 })
     };
     let durations: Vec<(usize, f64)> = loads.iter().map(duration).collect();
     for (file, runs, mixed) in means {
-        let interval = median(runs.iter().flat_map(|run| intervals(&experiment.runs[*run].table)));
+        let interval = interval(runs.iter().map(|run| &experiment.runs[*run].table.time[..]));
         for run in runs {
             experiment.runs[run].table = with_steps(&tables[run], &is_temperature, &steps[run], &durations);
         }
@@ -136,13 +135,9 @@ pub fn reconstruct(experiment: &mut Experiment) {
     }
 }
 
-fn intervals(table: &Table) -> impl Iterator<Item = f64> + '_ {
-    table.time.windows(2).map(|pair| pair[1] - pair[0])
-}
-
 /// The steps of the loads of a run, in the order of the columns.
 fn steps(table: &Table, loads: &[usize]) -> Vec<Step> {
-    let usual = median(intervals(table));
+    let usual = interval([&table.time[..]]);
     let mut all = Vec::new();
     for column in loads {
         let values = &table.columns[*column];
@@ -268,7 +263,7 @@ impl Break {
 /// The table with two rows at each step in place of a change over the rows beside it. `durations` are the usual ones of the loads, s.
 fn with_steps(table: &Table, is_temperature: &[bool], steps: &[Step], durations: &[(usize, f64)]) -> Table {
     let inputs = table.columns.len() - is_temperature.len();
-    let usual = median(intervals(table));
+    let usual = interval([&table.time[..]]);
     let shortest = WIDTH * usual;
     let mut own = table.clone();
     let mut is_blank = vec![false; table.time.len()];

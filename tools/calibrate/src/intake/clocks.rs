@@ -19,7 +19,7 @@ mod agreement;
 mod profile;
 
 use super::consistency::thinned;
-use super::{Unusable, all_runs, mean_square, median, structured};
+use super::{Unusable, all_runs, mean_square, structured};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Table};
@@ -27,6 +27,7 @@ use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
 use crate::levels::{AT_NOISE, FACTOR, SAMPLES, SMALL, STRUCTURE, SURE};
 use crate::noise;
+use crate::numbers;
 use crate::parallel;
 use crate::selection::LEAST as VERY_STRONG;
 use crate::setup::Setup;
@@ -158,8 +159,7 @@ fn squares(setup: &Setup, runs: &[usize], fitted: &Hypothesis) -> Option<Vec<f64
 /// Usual interval between two rows of the fit runs, s.
 fn interval(experiment: &Experiment) -> f64 {
     let fit = experiment.of_role(Role::Fit);
-    let times = fit.iter().map(|r| &experiment.runs[*r].table.time);
-    median(times.flat_map(|time| time.windows(2).map(|w| w[1] - w[0])))
+    numbers::interval(fit.iter().map(|r| &experiment.runs[*r].table.time[..]))
 }
 
 /// Grid of shifts of both signs.

@@ -197,10 +197,9 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
             length: rows.div_ceil(most),
             pieces: std::iter::once(0..rows).collect(),
             loss: STRUCTURE,
-            keeps_reversals: true,
         })
     };
-    thin.with_means(whole).0
+    thin.with_means(&[], whole).0
 }
 
 /// Fit that predicts an output.

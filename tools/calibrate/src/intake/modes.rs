@@ -44,25 +44,26 @@ pub fn correct(
     let fitted = |setup: &Setup| setup.fit(setup.preset(), &runs).ok().as_ref().map(excess);
     let Some(before) = fitted(&as_is).filter(|excess| *excess > FACTOR) else { return Ok(()) };
     let Ok(shown) = as_is.show(&as_is.preset(), &runs) else { return Ok(()) };
-    let mut others = Vec::new();
-    for (name, item) in unstated(&as_is) {
+    let with = |(name, item): (String, &'static Item)| {
         let mut other = own.clone();
         other.set.push((name.clone(), f64::from(item.value)));
+        (other, name, item)
+    };
+    let all: Vec<_> = unstated(&as_is).into_iter().map(with).collect();
+    let mut others = Vec::new();
+    for (other, name, item) in &all {
         let begun = Instant::now();
-        let setup = setup(&other, preset, deadline)?;
+        let setup = setup(other, preset, deadline)?;
         if setup.show(&setup.preset(), &runs).is_ok_and(|other| differs(&shown, &other)) {
-            others.push((begun.elapsed(), other, name, item));
+            others.push((begun.elapsed(), setup, name, item));
         }
     }
     others.sort_by_key(|(time, ..)| *time);
-    let found = parallel::map(&others, |(_, other, ..)| {
-        let in_time = !deadline.is_near();
-        Ok::<_, CalibrateError>(if in_time { fitted(&setup(other, preset, deadline)?) } else { None })
-    });
-    let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let best = found.into_iter().zip(others).filter_map(|(left, other)| Some((left?, other)));
+    let found =
+        parallel::map(&others, |(_, setup, ..)| if deadline.is_near() { None } else { fitted(setup) });
+    let best = found.into_iter().zip(&others).filter_map(|(left, other)| Some((left?, other)));
     let best = best.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(left, _)| *left < SMALL * before);
-    let Some((left, (_, _, name, item))) = best else { return Ok(()) };
+    let Some((left, &(_, _, name, item))) = best else { return Ok(()) };
     experiment.set.push((name.clone(), f64::from(item.value)));
     experiment.notes.push(format!(
         "the mode {name} of the preset contradicts the data: with {name} = \"{}\" the declared parameters describe the fit runs to {:.2} times \

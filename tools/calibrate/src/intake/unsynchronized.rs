@@ -16,12 +16,13 @@
 use super::clocks::LEAST;
 use super::filtered::{self, Place};
 use super::response::{CLEAR, ENOUGH};
-use super::{Predicted, Unusable, all_runs, median, predicted};
+use super::{Predicted, Unusable, all_runs, predicted};
 use crate::comparison::converted;
 use crate::deadline::Deadline;
 use crate::experiment::Experiment;
 use crate::levels::{FACTOR, PART, SURE};
 use crate::noise;
+use crate::numbers::{between, interval};
 use crate::report::count_of;
 use nalgebra::{DMatrix, DVector};
 
@@ -185,7 +186,7 @@ impl Readings {
 
     /// Usual interval between the rows, s.
     pub(super) fn step(&self) -> f64 {
-        median(self.time.windows(2).map(|w| w[1] - w[0]))
+        interval([&self.time[..]])
     }
 
     /// Mean square of what q leaves.
@@ -291,16 +292,12 @@ fn standardized(column: &[f64]) -> Option<Vec<f64>> {
 
 /// u(t - tau) - u(t) in each row; 0 where it is less than `least` or unknown.
 fn changes(time: &[f64], u: &[f64], tau: f64, least: f64) -> Vec<f64> {
-    let mut j = 0;
-    let mut at = |t: f64| {
-        while j + 2 < time.len() && time[j + 1] < t {
-            j += 1;
-        }
-        let share = (t - time[j]) / (time[j + 1] - time[j]);
-        (0.0..=1.0).contains(&share).then(|| u[j] + share * (u[j + 1] - u[j]))
+    let known = time[0]..=time[time.len() - 1];
+    let of = |(t, now): (&f64, &f64)| {
+        let change = between(time, u, t - tau) - now;
+        if known.contains(&(t - tau)) && change.abs() >= least { change } else { 0.0 }
     };
-    let of = |(t, now): (&f64, &f64)| at(t - tau).map_or(0.0, |then| then - now);
-    time.iter().zip(u).map(of).map(|x| if x.abs() < least { 0.0 } else { x }).collect()
+    time.iter().zip(u).map(of).collect()
 }
 
 /// Weights of 1 and of the columns for the least squares over some rows.

@@ -72,10 +72,9 @@ fn a_step_stays_a_step() {
             length: 5,
             pieces: std::iter::once(0..run.table.time.len()).collect(),
             loss: STRUCTURE,
-            keeps_reversals: true,
         })
     };
-    let (ramps, _) = experiment.with_means(whole);
+    let (ramps, _) = experiment.with_means(&[], whole);
     assert!((heat(&ramps) / heat(&experiment) - 1.0).abs() > 5e-4);
 }
 

@@ -2,7 +2,7 @@
 
 use super::{FIRST, MOVES, ON_STEP};
 use crate::levels::NEARLY;
-use crate::numbers::median;
+use crate::numbers::interval;
 
 /// Rows above which an interval is more than one. Derivation: intervals are whole numbers of rows; this is between one and two.
 const LONGER: f64 = 1.5;
@@ -12,7 +12,7 @@ const LONGER: f64 = 1.5;
 pub fn held(time: &[f64], values: &[f64], longest: usize) -> Option<Vec<bool>> {
     let changes: Vec<f64> =
         (1..values.len()).filter(|k| values[*k] != values[k - 1]).map(|k| time[k]).collect();
-    let row = median(time.windows(2).map(|w| w[1] - w[0]));
+    let row = interval([time]);
     let (start, period) = lattice(&changes, row)?;
     let sample = |k: usize| ((time[k] - start) / period + 0.5 * row / period).floor();
     let held = (0..values.len()).map(|k| k > 0 && sample(k) == sample(k - 1)).collect();

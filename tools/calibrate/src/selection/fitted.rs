@@ -2,6 +2,7 @@
 
 use super::{ALIKE, Candidate, Known, choice};
 use crate::CalibrateError;
+use crate::fit::Fitted;
 use crate::hypothesis::{Addition, Hypothesis, Shape};
 use crate::linearization::Linearization;
 use crate::search::Scored;
@@ -36,7 +37,7 @@ pub fn fitted<'a>(
         return Err(CalibrateError(format!("{} cannot be added", scored.name)));
     };
     let mut candidate = fitted_as(point, start, scored, &form, known)?;
-    if let Some(moved) = moved_in_time(point.setup, &candidate.point.fitted.hypothesis, &point.runs) {
+    if let Some(moved) = moved_in_time(point.setup, &candidate.point.fitted, &point.runs) {
         let other = fitted_as(point, start, scored, &moved, known)?;
         if other.sure() > candidate.sure() {
             (form, candidate) = (moved, other);
@@ -82,8 +83,8 @@ fn fitted_as<'a>(
 
 /// A step effect, the last addition of a fit, at the time of a row for which the simulated model agrees best: a search by bisection about the
 /// time by linearization, which a step of a load nearby leads astray. `None` if that stays, and for other effects.
-fn moved_in_time(setup: &Setup, fitted: &Hypothesis, runs: &[usize]) -> Option<Addition> {
-    let addition = fitted.additions.last().filter(|own| own.is_listed())?;
+fn moved_in_time(setup: &Setup, fitted: &Fitted, runs: &[usize]) -> Option<Addition> {
+    let addition = fitted.hypothesis.additions.last().filter(|own| own.is_listed())?;
     let place = addition.numbers.iter().position(|number| !number.sloped)?;
     let mut rows: Vec<f64> = runs.iter().flat_map(|run| setup.drives[*run].time.iter().copied()).collect();
     rows.sort_by(f64::total_cmp);
@@ -93,12 +94,12 @@ fn moved_in_time(setup: &Setup, fitted: &Hypothesis, runs: &[usize]) -> Option<A
         addition
     };
     let cost = |row: usize| {
-        let mut other = fitted.clone();
+        let mut other = fitted.hypothesis.clone();
         *other.additions.last_mut()? = at(row);
         setup.judged(other, runs).ok().map(|judged| judged.cost)
     };
     let begin = rows.partition_point(|t| *t < addition.numbers[place].value).min(rows.len() - 1);
-    let (mut best, mut least) = (begin, cost(begin)?);
+    let (mut best, mut least) = (begin, fitted.cost);
     let mut reach = REACH;
     while reach > 0 && !setup.deadline().is_near() {
         let sides = [best.checked_sub(reach), Some(best + reach).filter(|row| *row < rows.len())];
@@ -141,15 +142,17 @@ mod tests {
             change
         });
         let setup = Setup::new(&experiment, &[]).unwrap();
+        let judged = |addition: Addition| {
+            let hypothesis = Hypothesis { additions: vec![addition], ..setup.preset() };
+            setup.judged(hypothesis, &[0]).unwrap()
+        };
         for (begin, end) in [(580.0, Some(700.0)), (825.0, Some(700.0)), (700.0, None)] {
             let mut addition = testing::addition(&setup, "demagnetisation", 0.1);
             addition.numbers[1].value = begin;
-            let fitted = Hypothesis { additions: vec![addition], ..setup.preset() };
-            let moved = moved_in_time(&setup, &fitted, &[0]);
+            let moved = moved_in_time(&setup, &judged(addition), &[0]);
             assert_eq!(moved.map(|own| own.numbers[1].value), end);
         }
-        let windage =
-            Hypothesis { additions: vec![testing::addition(&setup, "windage", 1e-8)], ..setup.preset() };
+        let windage = judged(testing::addition(&setup, "windage", 1e-8));
         assert!(moved_in_time(&setup, &windage, &[0]).is_none());
     }
 

@@ -17,8 +17,8 @@ use super::profile::{About, lagging};
 use super::{LAGS, Who, with_moved};
 use crate::experiment::Experiment;
 use crate::hypothesis::Hypothesis;
-use crate::intake::median;
 use crate::levels::SAMPLES;
+use crate::numbers::interval;
 use crate::parallel;
 use crate::selection::LEAST as VERY_STRONG;
 use crate::setup::Setup;
@@ -123,9 +123,8 @@ impl Fit<'_> {
         let length = (known.1 - known.0) / halves as f64;
         let from = known.0 + half as f64 * length;
         let about = About::new(if of_input { self.changed } else { self.setup }, self.fitted, &[run]).ok()?;
-        let row = median(time.windows(2).map(|w| w[1] - w[0]));
         let samples = SAMPLES / halves as f64;
-        Some(Part { run, about: about.within(from, from + length), samples, row })
+        Some(Part { run, about: about.within(from, from + length), samples, row: interval([&time[..]]) })
     }
 
     /// (1) at each shift.
