@@ -13,11 +13,11 @@
 //! *Source*: comparison of models by their likelihood: Ljung, System Identification (2nd ed., 1999), ch. 16.4.
 
 use super::clocks::LEAST;
-use super::unsynchronized::{LONGEST, Readings, mean_square, sum, weights};
+use super::unsynchronized::{LONGEST, MAJORITY, Readings, mean_square, sum, weights};
 use super::{Mistake, Unusable, all_runs, predicted};
 use crate::deadline::Deadline;
 use crate::experiment::Experiment;
-use crate::levels::{CALIBRATED, CERTAIN, FACTOR, SMALL};
+use crate::levels::{CALIBRATED, CERTAIN, FACTOR};
 use crate::noise;
 use crate::numbers::{between, median};
 use physics::declare::Unit;
@@ -165,17 +165,15 @@ pub(super) fn input(
         }
     }
     let (own, mistake) = best?;
+    let of_outputs: f64 = all.iter().filter_map(|one| filtered(&[one]).map(|(gain, ..)| gain)).sum();
     let mut data = experiment.clone();
     mistake.apply(&mut data, &runs);
-    // Without its filter an input has more noise; nothing else may be left that the rows away from changes do not have.
-    let of_noise =
-        |(own, left): &AsIs, place: &Place| Some(left / (place.least + own.noise_of_prediction()?.powi(2)));
-    let left = read(&data)?.into_iter().zip(places).map(|(one, place)| of_noise(&one, place));
-    let left = median(left.collect::<Option<Vec<f64>>>()?.into_iter());
-    let of_outputs: f64 = all.iter().filter_map(|one| filtered(&[one]).map(|(gain, ..)| gain)).sum();
-    let possible: f64 =
-        all.iter().zip(places).map(|((own, as_is), place)| gain(own, *as_is, place.least)).sum();
-    if own < of_outputs + LEAST || own < SMALL * possible || left > FACTOR {
+    // What the rows away from changes do not have, as mean squares before and after.
+    let excess =
+        |((_, as_is), (_, left)): (&AsIs, AsIs), place: &Place| (left - place.least) / (as_is - place.least);
+    let changed = read(&data)?;
+    let rest = median(all.iter().zip(changed).zip(places).map(|(pair, place)| excess(pair, place)));
+    if own < of_outputs + LEAST || rest > 1.0 - MAJORITY {
         return None;
     }
     let (channel, reason, suggestion) = mistake.words(experiment, "every run");

@@ -201,12 +201,6 @@ impl Readings {
         Some(mean_square(&self.y, &fitted(&columns, &self.y, &all)?, &all))
     }
 
-    /// Standard deviation of the noise that q has from the inputs.
-    pub(super) fn noise_of_prediction(&self) -> Option<f64> {
-        let all: Vec<usize> = (0..self.rows.len()).collect();
-        noise::of_column(&self.time, &fitted(&self.levels, &self.y, &all)?)
-    }
-
     /// The changes of a part of q that are no noise.
     fn taps(&self, part: &[f64], step: f64) -> Option<Vec<Tap>> {
         let sigma = noise::of_column(&self.time, &self.y)?.hypot(noise::of_column(&self.time, part)?);
