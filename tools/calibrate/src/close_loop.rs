@@ -195,6 +195,11 @@ fn attempt<'a>(
     if let Err(e) = search_of.refine() {
         search_of.notes.push(format!("the accepted function could not be refined: {e}"));
     }
+    if let Err(e) = search_of.join() {
+        search_of
+            .notes
+            .push(format!("the law could not be estimated from fit and validation runs together: {e}"));
+    }
     if let Some(unusable) = deadline.in_time(search_of.error_of_an_input())?.flatten() {
         return Err(Refusal::Unusable(unusable));
     }
@@ -204,20 +209,11 @@ fn attempt<'a>(
         released.setup.noise = measured;
         return attempt(released.setup, Ok(released.fitted), options, progress);
     }
-    let joint = match deadline.in_time(search_of.joint()) {
-        Ok(joint) => joint.flatten(),
-        Err(e) => {
-            search_of.notes.push(format!(
-                "fit and validation runs could not be evaluated together, the estimates are those of the fit runs: {e}"
-            ));
-            None
-        }
-    };
     let is_cut = deadline.is_near();
     search_of.is_cut = is_cut;
     deadline.lift();
     progress(0.85, "judging what was found");
-    let mut verdict = search_of.verdict(joint)?;
+    let mut verdict = search_of.verdict()?;
     verdict.time_for_boxes = for_boxes;
     verdict.is_cut = is_cut;
     Ok(estimates::outcome(&setup, &search_of.first, verdict)?)
@@ -242,6 +238,8 @@ struct Search<'a> {
     remembered: Option<Scored>,
     /// The fits of candidates so far.
     known: Known,
+    /// The accepted model, estimated from fit and validation runs together.
+    joint: Option<Joint<'a>>,
 }
 
 impl<'a> Search<'a> {
@@ -254,6 +252,7 @@ impl<'a> Search<'a> {
             scored: vec![scored],
             remembered: None,
             known: Known::default(),
+            joint: None,
             is_cut: false,
             rounds: Vec::new(),
             refused: Vec::new(),
@@ -281,8 +280,8 @@ impl<'a> Search<'a> {
             .then(|| switched(scored, free))
     }
 
-    /// The verdict on what was accepted, with the final estimates if there are any.
-    fn verdict(&mut self, joint: Option<Joint<'a>>) -> Result<Judgement<'a>, CalibrateError> {
+    /// The verdict on what was accepted.
+    fn verdict(&mut self) -> Result<Judgement<'a>, CalibrateError> {
         let rounds = self.rounds.iter().enumerate();
         let candidate_table: Vec<Evidence> = rounds
             .flat_map(|(k, round)| round.candidate_table(k + 1))
@@ -353,10 +352,7 @@ impl<'a> Search<'a> {
                 judgement.point = Some(point);
             }
         }
-        if let Some(Joint { first, point, of_fit_runs }) = joint {
-            judgement.hypothesis = point.fitted.hypothesis.clone();
-            (self.first, judgement.point, judgement.of_fit_runs) = (first, Some(point), Some(of_fit_runs));
-        }
+        self.conclude(&mut judgement)?;
         let partly: Vec<bool> = judgement.hypothesis.additions.iter().map(|a| !a.is_in_every_run()).collect();
         judgement.hypothesis = acting(setup, &judgement.hypothesis, &unfitted)?;
         for (a, addition) in judgement.hypothesis.additions.iter().enumerate().filter(|(a, _)| partly[*a]) {

@@ -1,13 +1,14 @@
 //! Final estimate of a model with laws.
 //!
-//! Fit runs find a law, validation runs select it. Test runs, which take no part in either, show how well the result predicts: if there are
-//! any, the selected model is estimated once more from fit and validation runs together, and so is the plain fit that it is compared with.
-//! A law then covers all that these runs reach, beyond which it is constant.
+//! Fit runs find a law, validation runs select it. The selected model is then estimated once more from both together: a law covers all that
+//! these runs reach, beyond which it is constant. What it leaves of the validation runs is not due to its range. Test runs, which take no part
+//! in either, show how well it predicts: if there are any, it is the final model, and the plain fit that it is compared with is estimated from
+//! the same runs.
 //! *Source*: Hastie, Tibshirani, Friedman, The Elements of Statistical Learning (2009), sec. 7.2 and 7.10.1: the selected model is fitted to
 //! all data but those of the test.
 
-use super::Search;
 use super::refine::{reached, tabulated};
+use super::{Judgement, Search};
 use crate::CalibrateError;
 use crate::acting::acting;
 use crate::experiment::Role;
@@ -15,32 +16,28 @@ use crate::hypothesis::{Hypothesis, Shape};
 use crate::linearization::Linearization;
 use crate::numbers::ends;
 
-/// Models that are estimated from fit and validation runs together.
+/// A model that is estimated from fit and validation runs together.
 pub(super) struct Joint<'a> {
-    /// The plain fit.
-    pub first: Linearization<'a>,
-    /// The selected model.
+    /// The model.
     pub point: Linearization<'a>,
-    /// The selected model, estimated from the fit runs alone.
-    pub of_fit_runs: Hypothesis,
+    /// The same, estimated from the fit runs alone.
+    of_fit_runs: Hypothesis,
 }
 
 impl<'a> Search<'a> {
-    /// The final estimates; `None` without a law, without validation or test runs, and if they do not describe these runs better.
-    pub(super) fn joint(&self) -> Result<Option<Joint<'a>>, CalibrateError> {
-        let setup = self.setup;
-        let [validation, test] = [Role::Validate, Role::Test].map(|role| setup.runs(role));
-        if !self.has_law() || validation.is_empty() || test.is_empty() || setup.deadline().is_near() {
-            return Ok(None);
+    /// Estimates the accepted model from fit and validation runs together, if it has a law and then describes them better.
+    pub(super) fn join(&mut self) -> Result<(), CalibrateError> {
+        let (setup, validation) = (self.setup, self.setup.runs(Role::Validate));
+        if !self.has_law() || validation.is_empty() {
+            return Ok(());
         }
         let runs = [self.first.runs.clone(), validation].concat();
         let of_fit_runs = acting(setup, &self.point().fitted.hypothesis, &runs)?;
         let before = Linearization::judged(setup, setup.judged(of_fit_runs.clone(), &runs)?, &runs)?;
-        let start = setup.judged(widened(&before), &runs)?;
-        let mut point = Linearization::judged(setup, setup.fit(start.hypothesis, &runs)?, &runs)?;
+        let mut point = Linearization::judged(setup, setup.fit(widened(&before), &runs)?, &runs)?;
         for k in 0..of_fit_runs.additions.len() {
             if setup.deadline().is_near() {
-                return Ok(None);
+                return Ok(());
             }
             if let Some(hypothesis) = tabulated(&point, k)? {
                 let fitted = setup.fit(hypothesis, &runs)?;
@@ -49,11 +46,24 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        if point.fitted.chi_square >= before.fitted.chi_square {
-            return Ok(None);
-        }
-        let plain = setup.fit(self.first.fitted.hypothesis.clone(), &runs)?;
-        Ok(Some(Joint { first: Linearization::judged(setup, plain, &runs)?, point, of_fit_runs }))
+        self.joint =
+            (point.fitted.chi_square < before.fitted.chi_square).then_some(Joint { point, of_fit_runs });
+        Ok(())
+    }
+
+    /// The final estimates, of the plain fit too, if there are test runs.
+    pub(super) fn conclude(&mut self, judgement: &mut Judgement<'a>) -> Result<(), CalibrateError> {
+        let setup = self.setup;
+        let Some(Joint { point, of_fit_runs }) =
+            self.joint.take().filter(|_| !setup.runs(Role::Test).is_empty())
+        else {
+            return Ok(());
+        };
+        let plain = setup.fit(self.first.fitted.hypothesis.clone(), &point.runs)?;
+        self.first = Linearization::judged(setup, plain, &point.runs)?;
+        judgement.hypothesis = point.fitted.hypothesis.clone();
+        (judgement.point, judgement.of_fit_runs) = (Some(point), Some(of_fit_runs));
+        Ok(())
     }
 }
 

@@ -89,16 +89,21 @@ impl<'a> Search<'a> {
             let hypothesis = acting(self.setup, &point.fitted.hypothesis, &of_validation[0])?;
             Linearization::judged(self.setup, self.setup.judged(hypothesis, &all)?, &all)
         };
-        // Of the fit and validation runs.
+        // Of the fit and validation runs; a law as far as they reach.
         let (white, raw) = self.point().explains(&self.first);
-        let all = white.min(raw);
+        let whole = over(&self.first)?;
+        let jointly = self.joint.as_ref().map(|joint| joint.point.explains(&whole));
+        let all = jointly.map_or(white.min(raw), |(joint, plain)| joint.min(plain).max(white.min(raw)));
         let found = Explained { all, listed: all, laws: 0 };
-        let instead = input_error::explains(&over(&self.first)?, &of_validation, found)?;
+        let instead = input_error::explains(&whole, &of_validation, found)?;
         let is_whole = || instruments::explain_rest(self.setup, &self.point().fitted, &[Role::Fit]);
         if instead.is_some() || self.taken().is_none() || !is_whole()? {
             return Ok(instead);
         }
-        input_error::explains(&over(self.point())?, &of_validation, Explained::default())
+        match &self.joint {
+            Some(joint) => input_error::explains(&joint.point, &of_validation, Explained::default()),
+            None => input_error::explains(&over(self.point())?, &of_validation, Explained::default()),
+        }
     }
 
     /// Decrease of the cost by all additions together, less the price of their numbers.
