@@ -298,7 +298,7 @@ impl<'a> Linearization<'a> {
         }
     }
 
-    /// Column of the `k`-th of the [numbers](Hypothesis::numbers) in these runs alone.
+    /// Column of the `k`-th of the [numbers](crate::hypothesis::Hypothesis::numbers) in these runs alone.
     pub fn parameter_column(&self, k: usize, runs: &[usize]) -> Option<DMatrix<f64>> {
         self.columns(1, |r, _| {
             let is_own = runs.contains(&self.runs[r]);
