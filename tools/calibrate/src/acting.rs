@@ -22,7 +22,7 @@ pub fn acting(setup: &Setup, hypothesis: &Hypothesis, runs: &[usize]) -> Result<
                 let mut error = |on: bool| -> Result<f64, CalibrateError> {
                     hypothesis.additions[a].active[*run] = on;
                     let shown: Vec<Shown> = setup.show(&hypothesis, &[*run])?;
-                    Ok(setup.chi_squares(&[*run], &shown).iter().sum())
+                    Ok(setup.chi_square(&[*run], &shown).0)
                 };
                 error(true)? < error(false)?
             };

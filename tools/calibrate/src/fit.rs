@@ -193,8 +193,7 @@ impl Setup<'_> {
     /// The model's error if it cannot be simulated.
     pub fn judged(&self, hypothesis: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
         let shown = self.show(&hypothesis, runs)?;
-        let chi_square = self.chi_squares(runs, &shown).iter().sum::<f64>();
-        let readings = runs.iter().flat_map(|run| self.blocks[*run].iter()).map(|b| b.rows.len()).sum();
+        let (chi_square, readings) = self.chi_square(runs, &shown);
         let prior: f64 = self
             .declared
             .iter()

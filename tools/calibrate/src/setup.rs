@@ -436,6 +436,18 @@ impl<'a> Setup<'a> {
         }
     }
 
+    /// The weighted sum of squares over runs, and its number of readings.
+    pub fn chi_square(&self, runs: &[usize], shown: &[Shown]) -> (f64, usize) {
+        let (mut sum, mut count) = (0.0, 0);
+        for (run, shown) in runs.iter().zip(shown) {
+            self.each(*run, shown, |row, output, off| {
+                sum += (off / self.noise_of_reading(*run, row, output)).powi(2);
+                count += 1;
+            });
+        }
+        (sum, count)
+    }
+
     /// The weighted sum of squares over runs, output by output.
     pub fn chi_squares(&self, runs: &[usize], shown: &[Shown]) -> Vec<f64> {
         let mut sums = vec![0.0; self.outputs()];

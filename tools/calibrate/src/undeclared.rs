@@ -145,7 +145,7 @@ pub fn better_than_effects<'a>(
     }
     let runs = setup.runs(Role::Validate);
     let error = |setup: &Setup, fitted: &Fitted| -> Result<f64, CalibrateError> {
-        Ok(setup.chi_squares(&runs, &setup.show(&fitted.hypothesis, &runs)?).iter().sum())
+        Ok(setup.chi_square(&runs, &setup.show(&fitted.hypothesis, &runs)?).0)
     };
     let is_better = runs.is_empty() || error(&own.setup, &own.fitted)? < error(setup, &point.fitted)?;
     Ok(is_better.then_some(own))

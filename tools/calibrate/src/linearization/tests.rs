@@ -53,9 +53,7 @@ fn a_moved_thermometer_hardly_confirms_an_offset() {
     let mut hypothesis = fitted.hypothesis.clone();
     let offset = testing::addition(&setup, "winding_sensor_offset", testing::NOISE);
     hypothesis.additions.push(Addition { active: vec![true; 2], ..offset });
-    let error = |hypothesis: &Hypothesis| -> f64 {
-        setup.chi_squares(&[1], &setup.show(hypothesis, &[1]).unwrap()).iter().sum()
-    };
+    let error = |hypothesis: &Hypothesis| setup.chi_square(&[1], &setup.show(hypothesis, &[1]).unwrap()).0;
     let fall = error(&fitted.hypothesis) - error(&hypothesis);
     let without = Linearization::judged(&setup, fitted, &[0]).unwrap();
     let with = Linearization::judged(&setup, setup.judged(hypothesis, &[0]).unwrap(), &[0]).unwrap();
