@@ -195,7 +195,7 @@ fn attempt<'a>(
     if let Err(e) = search_of.refine() {
         search_of.notes.push(format!("the accepted function could not be refined: {e}"));
     }
-    if let Err(e) = search_of.join() {
+    if let Err(e) = deadline.in_time(search_of.join()) {
         search_of
             .notes
             .push(format!("the law could not be estimated from fit and validation runs together: {e}"));

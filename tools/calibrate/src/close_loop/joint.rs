@@ -31,8 +31,8 @@ impl<'a> Search<'a> {
         if !self.has_law() || validation.is_empty() {
             return Ok(());
         }
+        let of_fit_runs = acting(setup, &self.point().fitted.hypothesis, &validation)?;
         let runs = [self.first.runs.clone(), validation].concat();
-        let of_fit_runs = acting(setup, &self.point().fitted.hypothesis, &runs)?;
         let before = Linearization::judged(setup, setup.judged(of_fit_runs.clone(), &runs)?, &runs)?;
         let mut point = Linearization::judged(setup, setup.fit(widened(&before), &runs)?, &runs)?;
         for k in 0..of_fit_runs.additions.len() {
