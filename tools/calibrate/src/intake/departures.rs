@@ -5,8 +5,8 @@
 //! y the readings, p the prediction of a fit that agrees with the data, s the time in which a thermometer in air follows. What a model
 //! lacks in the motor changes e together with p, or as slowly as a heat capacity, and in both thermometers; a thermometer that comes off
 //! changes e within s, in one channel, whatever p does. A departure is a change (1) that is greater than the error of a thermometer, than
-//! twice the change of p and than what is usual in the runs of this channel ([`super::signals`]), while every input keeps its level: a law
-//! of the sensor over speed or fan changes e too. A sensor comes off once; a law acts in every run. Of the sections between departures, those
+//! twice the change of p and than what is usual in the runs of this channel ([`super::signals`]), while every input keeps its level, also in the
+//! time s before it: a law of the sensor over speed or fan, or over a lag of them, changes e too. A sensor comes off once; a law acts in every run. Of the sections between departures, those
 //! that deviate [`FACTOR`] times as far as the best one are wrong.
 //!
 //! *Source*: detection of abrupt changes in a residual: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
@@ -106,14 +106,17 @@ fn rows(
     let off: Vec<f64> = read.iter().zip(model).map(|(y, p)| y - p).collect();
     let least = least.max(SENSOR_ERROR).max(JUMP * usual);
     let mut bad = vec![false; time.len()];
-    let departs = |pair: &(usize, usize)| {
-        let size = change(&off, *pair).abs();
-        size > least && size > 2.0 * change(model, *pair).abs()
-    };
-    // A change of an input near a departure hides it in some of the pairs only.
-    let found: Vec<(usize, usize)> = later(time).filter(departs).collect();
-    for own in found.chunk_by(|a, b| b.0 <= a.1).filter(|own| own.iter().any(|(k, j)| is_steady(*k, *j))) {
-        own.iter().for_each(|(k, j)| bad[*k..=*j].fill(true));
+    let sized = |pair: (usize, usize)| (pair, change(&off, pair).abs());
+    let departs =
+        |(pair, size): &((usize, usize), f64)| *size > least && *size > 2.0 * change(model, *pair).abs();
+    let found: Vec<((usize, usize), f64)> = later(time).map(sized).filter(departs).collect();
+    for own in found.chunk_by(|a, b| b.0.0 <= a.0.1) {
+        // What an input causes, at once or behind a lag, changes most right after it.
+        let first_of_greatest = own.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
+        let since = |k: usize| time.partition_point(|t| *t < time[k] - SETTLED);
+        if first_of_greatest.is_some_and(|((k, j), _)| is_steady(since(*k), *j)) {
+            own.iter().for_each(|((k, j), _)| bad[*k..=*j].fill(true));
+        }
     }
     let parts: Vec<(usize, usize)> = {
         let ends: Vec<usize> = (0..time.len()).filter(|k| !bad[*k] && (*k == 0 || bad[k - 1])).collect();
@@ -164,5 +167,19 @@ mod tests {
         assert!(off.len() > 240 && off[0] > 110 && off[off.len() - 1] == 399, "{off:?}");
         let back = of(&|t, p| if (120.0..260.0).contains(&t) { p - 5.0 } else { p });
         assert!(back.len() > 60 && back[0] > 20 && back[back.len() - 1] < 165, "{back:?}");
+    }
+    /// A law of the sensor over a lag of an input that steps at 300 s; a thermometer that comes off 200 s later.
+    #[test]
+    fn what_an_input_causes_behind_a_lag_is_no_departure() {
+        let (time, model) = model();
+        let is_steady = |k: usize, j: usize| !(time[k] <= 300.0 && 300.0 <= time[j]);
+        let bad = |change: &dyn Fn(f64) -> f64| {
+            let read: Vec<f64> = time.iter().zip(&model).map(|(t, p)| p + change(*t)).collect();
+            rows(&time, &read, &model, (0.02, 0.1), &is_steady).iter().filter(|bad| **bad).count()
+        };
+        for (size, tau) in [(5.0, 80.0), (-8.0, 30.0), (6.0, 10.0), (20.0, 200.0)] {
+            assert_eq!(bad(&|t| size * (1.0 - (-(t - 300.0).max(0.0) / tau).exp())), 0, "{size} {tau}");
+        }
+        assert!(bad(&|t| if t < 500.0 { 0.0 } else { -6.0 }) > 120);
     }
 }
