@@ -203,7 +203,7 @@ fn attempt<'a>(
     if let Some(unusable) = deadline.in_time(search_of.error_of_an_input())?.flatten() {
         return Err(Refusal::Unusable(unusable));
     }
-    if search_of.taken().is_none()
+    if search_of.leaves_a_rest()?
         && let Some(mut released) = deadline.in_time(in_place_of_effects(&search_of.first))?.flatten()
     {
         released.setup.noise = measured;
@@ -267,6 +267,15 @@ impl<'a> Search<'a> {
 
     fn point(&self) -> &Linearization<'a> {
         self.taken().map_or(&self.first, |c| &c.point)
+    }
+
+    /// Whether nothing was accepted, or laws that leave more of the fit runs than instruments err by.
+    fn leaves_a_rest(&self) -> Result<bool, CalibrateError> {
+        let mut accepted = self.rounds.iter().filter_map(Round::winner).map(Candidate::addition);
+        let is_law_only = accepted.all(|own| !own.is_listed());
+        let explains =
+            |point: &Linearization| instruments::explain_rest(self.setup, &point.fitted, &[Role::Fit]);
+        Ok(is_law_only && (self.taken().is_none() || !explains(self.point())?))
     }
 
     /// The history-dependent latent input, if the additions explain clearly less than it does.

@@ -151,7 +151,7 @@ pub fn better_than_effects<'a>(
     Ok(is_better.then_some(own))
 }
 
-/// The parameter with which the fit and validation runs of `point`, a fit that no effect and no law improves, are explained to within the error
+/// The parameter with which the fit and validation runs of `point`, a fit that no effect and no law explains, are explained to within the error
 /// of instruments; `None` if there is none, or if they are without it.
 ///
 /// # Errors
