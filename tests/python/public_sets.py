@@ -39,7 +39,7 @@ def has_the_errors_of_the_truth(report, name, beside_floor):
     Four runs one after the other, whose channels move together: the intake has nothing to note. A law is finally estimated from the
     validation run, too.
     """
-    known = ("the exported FMUs start in the modes", "refit and after were finally estimated from the fit and validation runs")
+    known = ("the exported FMUs start in the modes", "the repaired model (after) was finally estimated from the fit")
     assert all(note.startswith(known) for note in report["notes"]), report["notes"]
     beside_refit = 1.01 if report["verdict"] == "nothing" else 1.0
     for role, channels in truth(name)["rmse"].items():

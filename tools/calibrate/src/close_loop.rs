@@ -361,7 +361,7 @@ impl<'a> Search<'a> {
                 judgement.point = Some(point);
             }
         }
-        self.conclude(&mut judgement)?;
+        self.conclude(&mut judgement);
         let partly: Vec<bool> = judgement.hypothesis.additions.iter().map(|a| !a.is_in_every_run()).collect();
         judgement.hypothesis = acting(setup, &judgement.hypothesis, &unfitted)?;
         for (a, addition) in judgement.hypothesis.additions.iter().enumerate().filter(|(a, _)| partly[*a]) {

@@ -291,8 +291,8 @@ fn jointly(setup: &Setup, errors: &[f64]) -> String {
     let known = setup.experiment.outputs.iter().zip(errors).filter(|(_, error)| error.is_finite());
     let parts: Vec<String> = known.map(|(channel, error)| of_channel(channel.column, *error)).collect();
     format!(
-        "refit and after were finally estimated from the fit and validation runs together, since there are test runs; estimated from the fit \
-         runs alone, the model with its effects predicted the validation runs with an error (RMSE) of {}",
+        "the repaired model (after) was finally estimated from the fit and validation runs together, since there are test runs, and the refit \
+         from the fit runs alone; estimated from the fit runs alone, the repaired model predicts the validation runs with an error (RMSE) of {}",
         parts.join(", ")
     )
 }
@@ -402,10 +402,15 @@ fn limits(point: &Linearization) -> Vec<Limit> {
     all
 }
 
+/// Of the fit runs.
 fn whiteness(setup: &Setup, first: &Linearization, point: &Linearization) -> Vec<Whiteness> {
+    fn of_fit_runs<'p>(point: &'p Linearization) -> impl Iterator<Item = (&'p usize, &'p Shown)> {
+        let fit = point.setup.runs(Role::Fit);
+        point.runs.iter().zip(&point.fitted.shown).filter(move |(run, _)| fit.contains(run))
+    }
     let blocks = |point: &Linearization| -> Vec<f64> {
         let mut sums = vec![(0.0, 0usize); setup.outputs()];
-        for (run, shown) in point.runs.iter().zip(&point.fitted.shown) {
+        for (run, shown) in of_fit_runs(point) {
             let mut values = Vec::new();
             setup.residual(*run, shown, &mut values);
             for (block, value) in setup.blocks[*run].iter().zip(&values) {
@@ -417,7 +422,7 @@ fn whiteness(setup: &Setup, first: &Linearization, point: &Linearization) -> Vec
     };
     let neighbours = |point: &Linearization| -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); setup.outputs()];
-        for (run, shown) in point.runs.iter().zip(&point.fitted.shown) {
+        for (run, shown) in of_fit_runs(point) {
             let mut last = vec![f64::NAN; setup.outputs()];
             setup.each(*run, shown, |_, output, off| {
                 if last[output].is_finite() {

@@ -2,8 +2,7 @@
 //!
 //! Fit runs find a law, validation runs select it. The selected model is then estimated once more from both together: a law covers all that
 //! these runs reach, beyond which it is constant. What it leaves of the validation runs is not due to its range. Test runs, which take no part
-//! in either, show how well it predicts: if there are any, it is the final model, and the plain fit that it is compared with is estimated from
-//! the same runs.
+//! in either, show how well it predicts: if there are any, it is the final model.
 //! *Source*: Hastie, Tibshirani, Friedman, The Elements of Statistical Learning (2009), sec. 7.2 and 7.10.1: the selected model is fitted to
 //! all data but those of the test.
 
@@ -51,19 +50,13 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// The final estimates, of the plain fit too, if there are test runs.
-    pub(super) fn conclude(&mut self, judgement: &mut Judgement<'a>) -> Result<(), CalibrateError> {
-        let setup = self.setup;
-        let Some(Joint { point, of_fit_runs }) =
-            self.joint.take().filter(|_| !setup.runs(Role::Test).is_empty())
-        else {
-            return Ok(());
-        };
-        let plain = setup.fit(self.first.fitted.hypothesis.clone(), &point.runs)?;
-        self.first = Linearization::judged(setup, plain, &point.runs)?;
-        judgement.hypothesis = point.fitted.hypothesis.clone();
-        (judgement.point, judgement.of_fit_runs) = (Some(point), Some(of_fit_runs));
-        Ok(())
+    /// The final estimates if there are test runs.
+    pub(super) fn conclude(&mut self, judgement: &mut Judgement<'a>) {
+        let has_test = !self.setup.runs(Role::Test).is_empty();
+        if let Some(Joint { point, of_fit_runs }) = self.joint.take().filter(|_| has_test) {
+            judgement.hypothesis = point.fitted.hypothesis.clone();
+            (judgement.point, judgement.of_fit_runs) = (Some(point), Some(of_fit_runs));
+        }
     }
 }
 
